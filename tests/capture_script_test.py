@@ -126,7 +126,7 @@ class CaptureScript(ProgramTest):
         self.assertIn("<html", (out / "page/index.html").read_text()[:400])
         self.assertFalse(list(out.glob("*.part")))
         # Masks are of the mesh; every photograph has one.
-        masks, photographs = sorted((out / "masks/masks").iterdir()), sorted((out / "flat/large/images").iterdir())
+        masks, photographs = sorted((out / "masks/masks").glob("*.png")), sorted((out / "flat/large/images").iterdir())
         self.assertEqual([m.stem for m in masks], [p.stem for p in photographs])
         share = [sum(rgb[::3]) / 255 / (w * h) for w, h, rgb in map(read_png, masks)]
         self.assertTrue(all(0.02 < s < 0.98 for s in share), share)

@@ -177,7 +177,7 @@ class Judge(CommandLine):
 class Defaults(CommandLine):
     def fitted(self, *options):
         """What fit.json says of a fit with these options, and what was said while it ran."""
-        said = self.good("fit", "star", *options, "-o", "chosen").stderr
+        said = self.good("fit", "star", *options, "--replace", "-o", "chosen").stderr
         return strict_json((self.root / "chosen/fit.json").read_text(encoding="utf-8")), said
 
     def test_the_data_choose_a_better_model(self):
@@ -296,7 +296,7 @@ class Import(CommandLine):
 
     def test_says_whether_gains_are_needed(self):
         write_capture(self.root / "star", self.root / "exposed")
-        colmap = ["import", "colmap", "--model", "exposed/sparse", "--images", "exposed/images", "--mesh", "exposed/mesh.ply", "-o", "gained"]
+        colmap = ["import", "colmap", "--model", "exposed/sparse", "--images", "exposed/images", "--mesh", "exposed/mesh.ply", "--replace", "-o", "gained"]
         self.assertNotIn("gains are", self.good(*colmap).stderr)
         # One exposure for all: what is estimated is the gloss.
         said = self.good(*colmap, "--gains", "estimate").stderr

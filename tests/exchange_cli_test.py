@@ -40,7 +40,7 @@ class Exchange(ProgramTest):
         cls.good("fit", "relief", "--model", "ptm", "-o", "ptm")
 
     def exported(self, fit, *options):
-        self.good("export", "gltf", fit, *options, "-o", f"{fit}.glb")
+        self.good("export", "gltf", fit, *options, "--replace", "-o", f"{fit}.glb")
         return Glb(self.root / f"{fit}.glb")
 
     def parameters(self, fit, array):
@@ -171,7 +171,7 @@ class Exchange(ProgramTest):
         planes = [pixels[v["pixel_offset"] : v["pixel_offset"] + 3 * 40 * 30] for v in description["views"]]
         for x, y in ((0.1, 0.2), (-0.4, 0.3), (0.0, -0.5)):
             z = math.sqrt(1 - x * x - y * y)
-            self.good("render", "ptm", "--light", f"{x},{y},{z}", "-o", "shown")
+            self.good("render", "ptm", "--light", f"{x},{y},{z}", "--replace", "-o", "shown")
             rendered = read_png(self.root / "shown.png")[2]
             weights = (1, x, y, x * x, x * y, y * y)
             computed = [

@@ -39,7 +39,7 @@ class Needs(ProgramTest):
 
     def measured_and_announced(self, *options, dataset="tiny"):
         """Bytes: the largest resident set, and what stderr says."""
-        command = [self.program, "--threads", "1", "fit", dataset, *options, "-o", "new"]
+        command = [self.program, "--threads", "1", "fit", dataset, *options, "--replace", "-o", "new"]
         with open(self.root / "stderr", "w+") as stderr:
             # Each run compiles its shaders, so that all take the driver's memory for it; large blocks of memory go back
             # when they are let go.

@@ -81,7 +81,7 @@ class Ornament(ProgramTest):
             self.refused(*command, says=("set", "lamp that moves", "import colmap"))
 
     def test_mistakes(self):
-        self.refused("generate", "star", "--light", "near", "-o", "set", says=("leave these options out",))
+        self.refused("generate", "star", "--light", "near", "-o", "new", says=("leave these options out",))
         self.refused("generate", "ornament", "--shot-noise", "2", "-o", "set", says=("shot-noise = 2", "from 0 to 1"))
         self.refused("generate", "ornament", "--read-noise", "nan", "-o", "set", says=("read-noise = nan",))
         self.refused("generate", "ornament", "--encoding", "jpeg", "-o", "set", says=("encoding 'jpeg'", "u16-linear"))

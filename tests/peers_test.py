@@ -128,7 +128,7 @@ class Peers(ProgramTest):
 
     def told_errors(self, *options):
         """Of a fit's start and end, with its parameters exported."""
-        self.good("fit", "star", *options, "-o", "fit")
+        self.good("fit", "star", *options, "--replace", "-o", "fit")
         self.good("export", "parameters", "fit", "-o", self.new("parameters"))
         rows = list(csv.DictReader((self.root / "fit/trace.csv").read_text().splitlines()))
         return float(rows[0]["error"]), float(rows[-1]["error"])

@@ -159,8 +159,8 @@ class Folders(Problems):
 
     def test_nothing_is_replaced(self):
         problems = self.export("star")
-        for command in (("problems", "star"), ("parameters", self.fit("star", "--iterations", "1")[3])):
-            self.refused("export", *command, "-o", problems, says=[f"{problems} exists already", "choose another name"])
+        for command in (("problems", "star", "--terms", "1"), ("parameters", self.fit("star", "--iterations", "1")[3])):
+            self.refused("export", *command, "-o", problems, says=[f"{problems}: is there already, made by `radiafit export problems star", "choose another name"])
 
     def test_a_dataset_that_holds_nothing_out(self):
         for dataset, model in (("star", "lfm"), ("ornament", "lambert")):

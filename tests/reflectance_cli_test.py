@@ -43,8 +43,8 @@ class Reflectance(ProgramTest):
     def test_both_instruction_sets_find_the_same(self):
         base = dict(os.environ, RADIAFIT_INSTRUCTIONS="base")
         for optimizer in ("lm", "cg"):
-            widest = self.good("fit", "ornament", "--model", "lafortune", "--optimizer", optimizer, "-o", "widest")
-            self.good("fit", "ornament", "--model", "lafortune", "--optimizer", optimizer, "-o", "narrow", environment=base)
+            widest = self.good("fit", "ornament", "--model", "lafortune", "--optimizer", optimizer, "--replace", "-o", "widest")
+            self.good("fit", "ornament", "--model", "lafortune", "--optimizer", optimizer, "--replace", "-o", "narrow", environment=base)
             self.assertFalse(json.loads((self.root / "narrow/fit.json").read_text())["provenance"]["march"]["avx512"])
             a, b = self.judged("widest"), self.judged("narrow")
             self.assertAlmostEqual(a["psnr"], b["psnr"], delta=1e-3)
@@ -55,7 +55,7 @@ class Reflectance(ProgramTest):
                         ("--solver", "two-step", "--optimizer", "cg", "--iterations", "40", "--sort-memory", "1M"),
                         ("--engine", "fragment", "--iterations", "30"),
                         ("--solver", "ceres")):
-            self.good("fit", "ornament", "--model", "lafortune", *options, "-o", "other")
+            self.good("fit", "ornament", "--model", "lafortune", *options, "--replace", "-o", "other")
             truth = {material["name"]: material for material in self.judged("other")["truth"]}
             for name in ("gold", "green"):
                 self.assertLess(truth[name]["worst_median"], 1e-3, options)
@@ -169,7 +169,7 @@ class Reflectance(ProgramTest):
             moved, text = f"{dataset}-moved", (self.root / fit / "fit.json").read_text()
             shutil.copytree(self.root / dataset, self.root / moved)
             (self.root / fit / "fit.json").write_text(text.replace(f'"../{dataset}"', '"../gone"'))
-            for command in (("judge", fit), ("render", fit, "-o", "picture")):
+            for command in (("judge", fit), ("render", fit, "--replace", "-o", "picture")):
                 self.refused(*command, says=["gone", "name its folder by --dataset"])
                 self.refused(*command, "--dataset", "nowhere", says=["nowhere", "name its folder by --dataset"])
                 self.good(*command, "--dataset", moved)
