@@ -251,6 +251,11 @@ class Ranks(PartsTest):
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertEqual(self.maps("whole"), self.maps(f"ranks-{count}"))
             self.assertFalse((self.root / f"ranks-{count}.parts").exists())
+            again = self.mpirun(count, "fit", "star", *FIT, "-o", f"ranks-{count}")
+            self.assertEqual((again.returncode, again.stderr.count("done already")), (0, 1), again.stderr)
+            other = self.mpirun(count, "fit", "star", "--terms", "1", "-o", f"ranks-{count}")
+            self.assertEqual((other.returncode, other.stderr.count("is there already")), (2, 1), other.stderr)
+            self.assertEqual(self.maps("whole"), self.maps(f"ranks-{count}"))
 
     def test_ranks_share_a_view_basis(self):
         fit = ("fit", "star", "--model", "viewbasis", "--rank", "4", "--blocks", "5", "--surface-side", "6")
@@ -278,6 +283,8 @@ class Ranks(PartsTest):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(self.maps("whole"), self.maps("rank-0/fit"))
         self.assertFalse((self.root / "rank-1/fit").exists())
+        again = subprocess.run(done.args, cwd=self.root, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
+        self.assertEqual((again.returncode, again.stderr.count("done already")), (0, 1), again.stderr)
 
     def test_a_mistake_ends_all_ranks(self):
         done = self.mpirun(3, "fit", "star", "--memory", "100M", "-o", "none")

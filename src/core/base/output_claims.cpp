@@ -60,13 +60,12 @@ std::string command_line_in(const fs::path& folder) {
 
 /// "made by `radiafit fit star`", in as many words as can be known.
 std::string maker_of(const fs::path& output, const std::optional<MadeBy>& made, const MadeBy& now) {
+    if (made == now) return "made by this command, but changed since";
     const std::string line = command_line_in(output);
-    if (!line.empty()) return fmt::format("made by `{}`", line);
-    if (!made) return "and nothing says which command made it";
-    if (*made == now) return fmt::format("made by this command, but changed since");
-    if (made->command == now.command)
-        return fmt::format("made by radiafit {} with other options or of another input", made->command);
-    return fmt::format("made by radiafit {}", printable(made->command));
+    if (line.empty() && !made) return "and nothing says which command made it";
+    const std::string maker = line.empty() ? "radiafit " + printable(made->command) : "`" + line + "`";
+    const bool alike = made && made->command == now.command;
+    return fmt::format("made by {}{}", maker, alike ? " with other options or of another input" : "");
 }
 
 [[noreturn]] void refuse(const fs::path& output, const MadeBy& now) {

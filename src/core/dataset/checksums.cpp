@@ -13,6 +13,7 @@
 #include "base/half.h"
 #include "base/hash.h"
 #include "base/json.h"
+#include "base/made_by.h"
 #include "base/parallel.h"
 #include "dataset/dataset_json.h"
 #include "dataset/truth.h"
@@ -96,7 +97,7 @@ std::string without_places(const std::string& command) {
 std::string dataset_note(const Dataset& dataset) {
     uint64_t bytes = 0;
     for (const fs::directory_entry& entry : fs::directory_iterator(dataset.folder))
-        if (entry.is_regular_file()) bytes += entry.file_size();
+        if (entry.is_regular_file() && entry.path().filename() != made_by_name) bytes += entry.file_size();
     const nlohmann::ordered_json note = {{"name", dataset.name},
                                          {"source", without_places(dataset.source)},
                                          {"checksum", dataset_checksum(dataset)},

@@ -52,7 +52,7 @@ struct OptionNotes {
 class CommandOption {
 public:
     CommandOption(CLI::Option& option, OptionNotes& notes) : option_(&option), notes_(&notes) {}
-    CommandOption& choices(std::vector<std::string> names);
+    CommandOption& choices(std::vector<std::string> names);  ///< these three: see OptionNotes
     CommandOption& input();
     CommandOption& idle();
     CommandOption& required();

@@ -130,6 +130,7 @@ void fit(const FitCommand& command, const Dataset& dataset, const FitRequest& re
     const Record begun = begin_record(dataset, invocation.argc, invocation.argv);
     const std::filesystem::path parts = unfinished_folder(command.out);
     if (const std::unique_ptr<Ranks> ranks = join_ranks()) {
+        if (!begin_together(*ranks)) return;
         auto done = fit_on_ranks(*ranks, dataset, request, parts, command.force);
         if (!done) return;
         leave(command, dataset, request, std::move(*done), begun);
@@ -198,6 +199,7 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
     add_json(command, o->json);
     command.writes(
         [=, &command] {
+            if (started_as() > 0) return std::vector<OutputTarget>();  // rank 0 looks for all
             OutputTarget target = fit_target(o->out);
             target.lock = started_together() == 1;  // ranks lock what they have in common
             target.resumed = !o->shard.empty();
@@ -207,7 +209,10 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
                     "another");
             return std::vector{target};
         },
-        [o] { print_done(o->out, o->json); });
+        [o] {
+            if (const std::unique_ptr<Ranks> ranks = join_ranks()) begin_together(*ranks, false);
+            print_done(o->out, o->json);
+        });
     command.on_run([=, &command] {
         const std::optional<Shard> share = o->shard.empty() ? std::nullopt : std::optional(parse_shard(o->shard));
         // an output that cannot be written shows now, not at the end

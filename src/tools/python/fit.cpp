@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "eval/render.h"
 #include "fitting/family.h"
 #include "fitting/leave_fit.h"

@@ -28,6 +28,19 @@ int started_together() {
     return 1;
 }
 
+int started_as() {
+    for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMI_RANK"})
+        if (const char* value = std::getenv(name)) return std::atoi(value);
+    return 0;
+}
+
+bool begin_together(Ranks& ranks, bool begin) {
+    if (ranks.rank() > 0) return ranks.receive(0).at(0) != 0;
+    const uint8_t answer = begin;
+    for (int to = 1; to < ranks.count(); ++to) ranks.send(to, {&answer, 1});
+    return begin;
+}
+
 std::unique_ptr<Ranks> join_ranks() {
     if (started_together() <= 1) return nullptr;
     void* module = dlopen(mpi_module, RTLD_NOW | RTLD_GLOBAL);

@@ -25,8 +25,14 @@ public:
 
 /// How many processes mpirun says that it started; 1 where none did.
 int started_together();
+/// Which of them this one is, before it joins the others.
+int started_as();
 /// Null where mpirun did not start this program, or started it alone. Throws UserError where this build has no MPI.
 std::unique_ptr<Ranks> join_ranks();
+
+/// Rank 0 tells all whether to begin: it alone sees what stands where the result is to go. All call it; `begin` is rank
+/// 0's. Returns what it told.
+bool begin_together(Ranks& ranks, bool begin = true);
 
 /// Sends a file from rank `from` to rank 0, under the same name in rank 0's `folder`. Both call it.
 void send_file(Ranks& ranks, const std::filesystem::path& file);
