@@ -1,7 +1,11 @@
 # cmake -DFOLDER=shaders -DOUTPUT=FILE -DTABLE=embedded_shaders -DHEADER=gl/embedded_shaders.h -DNAMESPACE=radiafit
-# -P embed_texts.cmake: all texts of the folder as one C++ table (src/core/base/embedded_text.h).
-file(GLOB_RECURSE files RELATIVE ${FOLDER} ${FOLDER}/*)
-list(SORT files)
+# -P embed_texts.cmake: all texts of the folder, or -DFILES=A;B of them, as one C++ table (src/core/base/embedded_text.h).
+if(DEFINED FILES)
+  set(files ${FILES})
+else()
+  file(GLOB_RECURSE files RELATIVE ${FOLDER} ${FOLDER}/*)
+  list(SORT files)
+endif()
 set(table "#include \"${HEADER}\"\n\nnamespace ${NAMESPACE} {\n\nconst std::vector<EmbeddedText>& ${TABLE}() {\n")
 string(APPEND table "    static const std::vector<EmbeddedText> all = {\n")
 foreach(file IN LISTS files)

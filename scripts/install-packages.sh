@@ -14,7 +14,7 @@ core="libfmt-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libeigen3-d
     libegl-dev libgl-dev libosmesa6-dev"
 # `make experiments`, `make report`, `make compare`.
 experiments="$compiler $core
-    libopenexr-dev libpng-dev libjpeg-dev libwebp-dev liblcms2-dev libutf8proc-dev libceres-dev libqhull-dev
+    libopenexr-dev libpng-dev libjpeg-dev libwebp-dev liblcms2-dev libutf8proc-dev libceres-dev libqhull-dev libgsl-dev libnlopt-dev
     libegl1 libegl-mesa0 libosmesa6 libgl1-mesa-dri
     gnuplot-nox fonts-dejavu-core python3"
 # `make build`: the program with all that it can do on one machine.

@@ -13,7 +13,7 @@ import re
 import sys
 
 RINGS = {
-    "core": ["base", "image", "geometry", "model", "dataset", "synthetic", "samples", "optim", "cpu", "gl", "fragment", "compute",
+    "core": ["base", "image", "batch", "geometry", "model", "dataset", "synthetic", "samples", "optim", "cpu", "gl", "fragment", "compute",
              "fit", "eval"],
     "fits": ["reference", "basis", "viewbasis", "lightbasis", "sg", "reachable", "fitting"],
     "harness": ["report", "command_line", "bench"],
@@ -36,6 +36,7 @@ ALLOWED = {layer: set(CHAIN[:i]) for i, layer in enumerate(CHAIN)}
 ALLOWED.update(
     cpu=up_to("optim"),
     image={"base"},
+    batch={"base"},
     image_web={"base"},  # src/core/image/web, a target of its own
     gl={"base"},
     fragment=up_to("optim") | {"gl"},
@@ -75,7 +76,8 @@ LIBRARIES = [
     (r"png\.h", {"image"}),
     (r"lcms2\.h", {"capture"}),
     (r"(GL|EGL|GLES\d?|KHR)/", {"gl"}),
-    (r"(ceres|glog)/", {"reference"}),
+    (r"(ceres|glog|gsl)/", {"reference"}),
+    (r"nlopt\.h", {"reference"}),
     (r"toml\+\+/", {"base"}),
     (r"CLI/", {"command_line"}),
     (r"(webp/|jpeglib)", {"image"}),

@@ -156,6 +156,45 @@ class PythonModule(ProgramTest):
             self.assertIn(says, str(caught.exception))
             self.assertNotIn("\n", str(caught.exception))
 
+    def test_solve_takes_arrays_as_the_program_does(self):
+        text = (CHECKOUT / "examples/solve/peak.glsl").read_text()
+        y, x = np.mgrid[:5, :5].reshape(2, -1)
+        terms = np.stack([x, y], 1).astype(float)
+        rng = np.random.default_rng(1)
+        truth = np.stack([rng.uniform(80, 120, 30), rng.uniform(1.5, 2.5, 30), rng.uniform(1.5, 2.5, 30), rng.uniform(1, 1.4, 30), rng.uniform(5, 9, 30)], 1)
+        away = (x - truth[:, 1:2]) ** 2 + (y - truth[:, 2:3]) ** 2
+        targets = truth[:, :1] * np.exp(-away / (2 * truth[:, 3:4] ** 2)) + truth[:, 4:] + rng.normal(0, 1, (30, 25))
+        start = {"height": 100, "x0": 2, "y0": 2, "width": 1.2, "ground": 6}
+        found = radiafit.solve(text, terms, targets, start=start)
+        self.assertEqual(found["parameter_names"], ["height", "x0", "y0", "width", "ground"])
+        self.assertEqual(found["covariance"].shape, (30, 5, 5))
+        self.assertTrue((found["status"] == found["status_names"].index("converged")).all())
+        self.assertLess(abs((found["parameters"] - truth) / found["sigma"]).max(), 5)
+        single = radiafit.solve(text, terms, targets, start=start, precision="float", covariance=False)
+        self.assertEqual(single["parameters"].dtype, np.float32)
+        self.assertIsNone(single["covariance"])
+        np.testing.assert_allclose(single["parameters"], found["parameters"], rtol=1e-3)
+
+        (self.root / "peaks").mkdir()
+        (self.root / "peak.glsl").write_text(text)
+        np.save(self.root / "peaks/terms.npy", terms)
+        np.save(self.root / "peaks/targets.npy", targets)
+        given = ",".join(f"{name}={value}" for name, value in start.items())
+        self.good("solve", "peaks", "--model", "peak.glsl", "--start", given, "-o", "found")
+        for name in ("parameters", "sigma", "covariance", "chi2", "status", "iterations", "samples"):
+            np.testing.assert_array_equal(np.load(self.root / f"found/{name}.npy"), found[name])
+
+        # several starts, and sets of different lengths; mistakes name their array
+        ragged = radiafit.solve(text, np.tile(terms, (30, 1)), targets.ravel(), start=np.array([[[100, 2, 2, 1.2, 6.0]], [[50, 1, 3, 2, 1.0]]]),
+                                offsets=25 * np.arange(31))  # fmt: skip
+        self.assertTrue((ragged["chi2"] <= found["chi2"] * (1 + 1e-12)).all())
+        for wrong, says in (({"start": {"height": 1}}, "x0"), ({"start": start, "weights": terms}, "weights"),
+                            ({"start": start, "lower": {"tilt": 1}}, "tilt"), ({"start": start, "loss": "none"}, "huber"),
+                            ({"start": np.ones(4)}, "start"), ({"start": start, "offsets": [0, 3]}, "targets")):  # fmt: skip
+            with self.assertRaises(radiafit.UserError) as caught:
+                radiafit.solve(text, terms, targets, **wrong)
+            self.assertIn(says, str(caught.exception))
+
     def test_example_plots(self):
         subprocess.run([sys.executable, "-B", CHECKOUT / "examples/plot_fit.py", "star", "plot.png", "model=lfm", "terms=1"],
                        check=True, capture_output=True, cwd=self.root, env={"PYTHONPATH": str(MODULE), "PATH": "/usr/bin:/bin", "HOME": str(self.root)})  # fmt: skip

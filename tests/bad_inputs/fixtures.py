@@ -121,6 +121,28 @@ def write_rti(out):
             (out / name / f"plane_{i}.jpg").write_bytes(JPEG)
 
 
+def npy(descr, shape, data):
+    """An array as numpy.save writes it."""
+    header = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': ({', '.join(map(str, shape))}{',' if len(shape) == 1 else ''}), }}"
+    header = header.ljust(117) + "\n"
+    return b"\x93NUMPY\x01\0" + struct.pack("<H", len(header)) + header.encode() + data
+
+
+def write_sets(out):
+    """What `solve` reads: a line's text, two sets of samples as a table, as arrays of one length and of several."""
+    out.mkdir()
+    (out / "line.glsl").write_text("// A line.\nstruct Terms { real x; };\nstruct Parameters { real slope, offset; };\nstruct Values { real y; };\n"
+                                   "Values value(Parameters p, Terms t) {\n    return Values(p.slope * t.x + p.offset);\n}\n")  # fmt: skip
+    (out / "lines.csv").write_text("problem,x,y\na,0,1\na,1,3\na,2,5.5\nb,0,-1\nb,1,0\nb,3,2\n")
+    for name, count in (("even", 8), ("started", 8), ("ragged", 5)):
+        (out / name).mkdir()
+        samples = (2, 4) if count == 8 else (5,)
+        (out / name / "terms.npy").write_bytes(npy("<f8", (*samples, 1), struct.pack(f"<{count}d", *(i % 4 for i in range(count)))))
+        (out / name / "targets.npy").write_bytes(npy("<f8", samples, struct.pack(f"<{count}d", *(i * i for i in range(count)))))
+    (out / "started/start.npy").write_bytes(npy("<f8", (2,), struct.pack("<2d", 1, 0)))
+    (out / "ragged/offsets.npy").write_bytes(npy("<i8", (3,), struct.pack("<3q", 0, 2, 5)))
+
+
 def write_other_calibrations(out):
     """The same cameras as a NeRF's transforms.json and as LLFF's poses_bounds.npy."""
     frames, rows = [], []
@@ -276,6 +298,7 @@ def make(run, root, source):
     write_tiny(root / "photos")
     write_lit(root / "lit")
     write_rti(root / "rti")
+    write_sets(root / "sets")
     write_runs(root / "runs")
     photos = ("import", "colmap", "--model", "photos/text", "--images", "photos/images", "--mesh", "photos/mesh.obj")
     run(*photos, "--holdout", "every:3", "-o", "tiny")

@@ -3,8 +3,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <charconv>
+#include <cstring>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+
+#include "base/error.h"
+#include "base/half.h"
+#include "base/read_file.h"
 
 namespace radiafit {
 namespace {
@@ -26,7 +34,118 @@ uint64_t elements_of(const std::vector<uint64_t>& shape) {
     return product;
 }
 
+/// What stands behind 'KEY': in a header, up to the comma that ends it, or to the parenthesis; empty: no such key.
+std::string_view entry_of(std::string_view header, const std::string& key) {
+    const size_t found = header.find("'" + key + "':");
+    if (found == std::string_view::npos) return {};
+    std::string_view rest = header.substr(found + key.size() + 3);
+    rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size()));
+    const size_t end = rest.starts_with('(') ? rest.find(')') : rest.find_first_of(",}");
+    return rest.substr(0, end == std::string_view::npos ? 0 : end + (rest.starts_with('(') ? 1 : 0));
+}
+
+template <class T>
+T number_at(const char* from) {
+    T x;
+    std::memcpy(&x, from, sizeof x);
+    return x;
+}
+
+/// One element, as a double or a whole number.
+template <class To>
+To element_at(const char* from, char kind, uint64_t bytes) {
+    switch (kind) {
+        case 'f':
+            if (bytes == 2) return To(float_from_half(number_at<uint16_t>(from)));
+            return bytes == 4 ? To(number_at<float>(from)) : To(number_at<double>(from));
+        case 'i':
+            if (bytes == 1) return To(number_at<int8_t>(from));
+            if (bytes == 2) return To(number_at<int16_t>(from));
+            return bytes == 4 ? To(number_at<int32_t>(from)) : To(number_at<int64_t>(from));
+        default:
+            if (bytes == 1) return To(number_at<uint8_t>(from));
+            if (bytes == 2) return To(number_at<uint16_t>(from));
+            return bytes == 4 ? To(number_at<uint32_t>(from)) : To(number_at<uint64_t>(from));
+    }
+}
+
+const std::filesystem::path& there(const std::filesystem::path& file, const std::string& what) {
+    if (!path_exists(file)) throw UserError(fmt::format("{}: missing {}", file.string(), what));
+    if (!std::filesystem::is_regular_file(file)) throw UserError(fmt::format("{}: no file", file.string()));
+    return file;
+}
+
 }  // namespace
+
+NpyReader::NpyReader(const std::filesystem::path& file, const std::string& what)
+    : name_(file.string()), in_(there(file, what)) {
+    const uint64_t size = in_.size();
+    char start[12] = {};
+    in_.read(start, 0, std::min<uint64_t>(size, sizeof start));
+    if (std::string_view(start, 6) != "\x93NUMPY") fail("no array of numpy.save");
+    const bool long_header = start[6] > 1;
+    uint64_t length = uint64_t(uint8_t(start[8])) | uint64_t(uint8_t(start[9])) << 8;
+    if (long_header) length |= uint64_t(uint8_t(start[10])) << 16 | uint64_t(uint8_t(start[11])) << 24;
+    const uint64_t before = long_header ? 12 : 10;
+    constexpr uint64_t longest = 1 << 16;
+    if (length > longest || before + length > size) fail("its header is damaged; save it again by numpy.save");
+    std::string header(length, ' ');
+    in_.read(header.data(), before, length);
+    begin_ = before + length;
+
+    const std::string_view type = entry_of(header, "descr"), order = entry_of(header, "fortran_order");
+    std::string_view shape = entry_of(header, "shape");
+    if (type.size() < 5 || !shape.starts_with('(')) fail("its elements are no plain numbers; save an array of numbers");
+    const std::string descr(type.substr(1, type.size() - 2));
+    bytes_ = uint64_t(descr.back() - '0');
+    kind_ = descr[1];
+    const bool known = descr.size() == 3 && (kind_ == 'f'   ? bytes_ == 2 || bytes_ == 4 || bytes_ == 8
+                                             : kind_ == 'b' ? bytes_ == 1
+                                                            : (kind_ == 'i' || kind_ == 'u') && std::has_single_bit(bytes_) && bytes_ <= 8);
+    if (!known) fail(fmt::format("elements of type '{}' are no plain numbers; save it as float32 or float64", descr));
+    if (descr[0] == '>') fail("big-endian; save it as little-endian, such as by a.astype('<f8')");
+    if (order != "False") fail("in Fortran order; save numpy.ascontiguousarray of it");
+    shape = shape.substr(1, shape.size() - 2);
+    while (!shape.empty()) {
+        uint64_t n = 0;
+        const auto [end, code] = std::from_chars(shape.data(), shape.data() + shape.size(), n);
+        if (code != std::errc{}) fail("its shape is damaged; save it again by numpy.save");
+        shape_.push_back(n);
+        shape.remove_prefix(size_t(end - shape.data()));
+        shape.remove_prefix(std::min(shape.find_first_not_of(", "), shape.size()));
+    }
+    uint64_t wanted = bytes_;
+    for (const uint64_t n : shape_)
+        if (__builtin_mul_overflow(wanted, n, &wanted)) fail("its shape is damaged; save it again by numpy.save");
+    if (size - begin_ < wanted)
+        fail(fmt::format("cut: {} bytes of {}; copy it again", size - begin_, wanted));
+}
+
+void NpyReader::fail(const std::string& problem) const { throw UserError(name_ + ": " + problem); }
+
+uint64_t NpyReader::elements() const { return elements_of(shape_); }
+
+std::string NpyReader::shape_text() const {
+    return fmt::format("({}{})", fmt::join(shape_, ", "), shape_.size() == 1 ? "," : "");
+}
+
+template <class T>
+std::vector<T> NpyReader::read() const {
+    if (std::is_integral_v<T> && !whole_numbers()) fail("has fractions; save whole numbers, such as by a.astype('int64')");
+    std::vector<T> out(elements());
+    constexpr uint64_t at_once = 1 << 20;
+    std::vector<char> bytes(std::min<uint64_t>(at_once, out.size()) * bytes_);
+    for (uint64_t first = 0; first < out.size(); first += at_once) {
+        const uint64_t count = std::min<uint64_t>(at_once, out.size() - first);
+        in_.read(bytes.data(), begin_ + first * bytes_, count * bytes_);
+        for (uint64_t i = 0; i < count; ++i) out[first + i] = element_at<T>(&bytes[i * bytes_], kind_, bytes_);
+    }
+    return out;
+}
+
+template std::vector<float> NpyReader::read() const;
+template std::vector<double> NpyReader::read() const;
+template std::vector<int64_t> NpyReader::read() const;
 
 template <class T>
 NpyFile<T>::NpyFile(std::filesystem::path path, const std::vector<uint64_t>& shape) : out_(std::move(path)) {
@@ -42,6 +161,7 @@ void NpyFile<T>::close() {
 }
 
 template class NpyFile<float>;
+template class NpyFile<double>;
 template class NpyFile<int32_t>;
 template class NpyFile<int64_t>;
 

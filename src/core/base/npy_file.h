@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -13,8 +14,9 @@ namespace radiafit {
 /// What NumPy calls an element's type: "<f4" is a little-endian float of four bytes.
 template <class T>
 constexpr const char* npy_type() {
-    static_assert(std::is_same_v<T, float> || std::is_same_v<T, int32_t> || std::is_same_v<T, int64_t>);
-    return std::is_same_v<T, float> ? "<f4" : sizeof(T) == 4 ? "<i4" : "<i8";
+    static_assert(std::is_floating_point_v<T> || std::is_same_v<T, int32_t> || std::is_same_v<T, int64_t>);
+    if (std::is_floating_point_v<T>) return sizeof(T) == 4 ? "<f4" : "<f8";
+    return sizeof(T) == 4 ? "<i4" : "<i8";
 }
 
 /// An array of any dimensions as numpy.load reads it: its elements in C order (the last index runs fastest) behind a
@@ -36,7 +38,38 @@ private:
 };
 
 extern template class NpyFile<float>;
+extern template class NpyFile<double>;
 extern template class NpyFile<int32_t>;
 extern template class NpyFile<int64_t>;
+
+/// An array as numpy.save wrote it, of any type of numbers that a double holds, or integers.
+class NpyReader {
+public:
+    /// Reads the header. `what` is the file's role, such as "targets". Throws UserError that names the file: it is missing
+    /// or no such array; its elements are no plain numbers, big-endian or in Fortran order; it ends before its last element.
+    NpyReader(const std::filesystem::path& file, const std::string& what);
+
+    const std::string& file() const { return name_; }
+    const std::vector<uint64_t>& shape() const { return shape_; }
+    uint64_t elements() const;
+    bool whole_numbers() const { return kind_ != 'f'; }
+    std::string shape_text() const;  ///< "(3, 4)"
+    /// All elements. T: float or double, to which numbers are rounded; or int64_t, of whole numbers alone (UserError).
+    template <class T>
+    std::vector<T> read() const;
+
+private:
+    [[noreturn]] void fail(const std::string& problem) const;
+
+    std::string name_;
+    InputFile in_;
+    char kind_ = 'f';  ///< 'f', 'i', 'u' or 'b'
+    uint64_t bytes_ = 4, begin_ = 0;
+    std::vector<uint64_t> shape_;
+};
+
+extern template std::vector<float> NpyReader::read() const;
+extern template std::vector<double> NpyReader::read() const;
+extern template std::vector<int64_t> NpyReader::read() const;
 
 }  // namespace radiafit

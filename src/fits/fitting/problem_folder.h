@@ -32,6 +32,8 @@ public:
         file.write(elements);
         file.close();
     }
+    /// For further files.
+    const std::filesystem::path& path() const { return folder_.path(); }
     /// An entry of the JSON file: its key and its value as JSON.
     void tell(const std::string& key, const std::string& json) { entries_.emplace_back(key, json); }
     /// The entry "dataset".

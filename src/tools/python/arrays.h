@@ -27,5 +27,6 @@ py::array view_of(const std::vector<T>& elements, const py::object& owner) {
 
 void add_dataset(py::module_& module);
 void add_fit(py::module_& module);
+void add_solve(py::module_& module);
 
 }  // namespace radiafit::tools::python

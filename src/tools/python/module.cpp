@@ -16,4 +16,5 @@ PYBIND11_MODULE(radiafit, module) {
         "Threads to use; 0 is all cores.");
     radiafit::tools::python::add_dataset(module);
     radiafit::tools::python::add_fit(module);
+    radiafit::tools::python::add_solve(module);
 }

@@ -1,0 +1,178 @@
+#include "batch/problem_files.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+#include "base/error.h"
+#include "base/npy_file.h"
+#include "base/read_file.h"
+#include "base/text_file.h"
+#include "base/wording.h"
+#include "batch/arrange.h"
+
+namespace radiafit::batch {
+namespace {
+
+using std::filesystem::path;
+
+template <class Number>
+ShapedArray<Number> shaped(const NpyReader& file, std::vector<Number>& numbers) {
+    numbers = file.read<Number>();
+    return {file.file(), file.shape(), numbers};
+}
+
+template <class real>
+StoredProblems<real> read_folder(const path& folder, const ModelText& model) {
+    StoredProblems<real> out;
+    const auto file = [&](const char* name) { return NpyReader(folder / fmt::format("{}.npy", name), name); };
+    const auto there = [&](const char* name) { return path_exists(folder / fmt::format("{}.npy", name)); };
+    ProblemArrays<real> arrays{.terms = shaped(file("terms"), out.terms), .targets = shaped(file("targets"), out.targets)};
+    if (there("weights")) arrays.weights = shaped(file("weights"), out.weights);
+    if (there("offsets")) arrays.offsets = shaped(file("offsets"), out.offsets);
+    if (there("start")) arrays.starts = shaped(file("start"), out.starts);
+    const Problems<real> problems = arranged(model, arrays);
+    out.count = problems.count;
+    out.samples = problems.samples;
+    out.start_count = problems.start_count;
+    return out;
+}
+
+/// Texels as `export problems` writes them: the model's terms are among u_x to v_z, of the directions to lamp and camera.
+template <class real>
+StoredProblems<real> read_exported(const path& folder, const ModelText& model) {
+    static const std::vector<std::string> columns = {"u_x", "u_y", "u_z", "v_x", "v_y", "v_z"};
+    const auto file = [&](const std::string& name) {
+        return NpyReader(folder / fmt::format("training_{}.npy", name), "array of a texel-local model's problems");
+    };
+    StoredProblems<real> out;
+    const NpyReader u = file("u"), v = file("v"), targets = file("target"), weights = file("weight"), first = file("first");
+    const std::vector<real> directions[] = {u.read<real>(), v.read<real>()};
+    const size_t samples = directions[0].size() / 3;
+    if (directions[1].size() != 3 * samples) throw UserError(fmt::format("{}: not as long as {}", v.file(), u.file()));
+    for (const std::string& name : model.terms)
+        if (!std::ranges::count(columns, name))
+            throw UserError(fmt::format("{}: has no term '{}'; there are: {}", folder.string(), name, fmt::join(columns, ", ")));
+    for (size_t s = 0; s < samples; ++s)
+        for (const std::string& name : model.terms) {
+            const size_t column = size_t(std::ranges::find(columns, name) - columns.begin());
+            out.terms.push_back(directions[column / 3][3 * s + column % 3]);
+        }
+    const ProblemArrays<real> arrays{.terms = {u.file(), {samples, model.terms.size()}, out.terms},
+                                     .targets = shaped(targets, out.targets),
+                                     .weights = shaped(weights, out.weights),
+                                     .offsets = shaped(first, out.offsets)};
+    out.count = arranged(model, arrays).count;
+    return out;
+}
+
+/// Fields of a line between commas, without blanks and quotes around them.
+std::vector<std::string> fields_of(std::string_view line) {
+    std::vector<std::string> out;
+    for (bool more = true; more;) {
+        const size_t comma = line.find(',');
+        std::string_view field = line.substr(0, comma);
+        const auto cut = [&](std::string_view unwanted) {
+            const size_t first = field.find_first_not_of(unwanted);
+            field = first == std::string_view::npos ? "" : field.substr(first, field.find_last_not_of(unwanted) - first + 1);
+        };
+        cut(" \t");
+        if (field.size() > 1 && field.front() == '"' && field.back() == '"') field = field.substr(1, field.size() - 2);
+        out.emplace_back(field);
+        more = comma != std::string_view::npos;
+        if (more) line.remove_prefix(comma + 1);
+    }
+    return out;
+}
+
+template <class real>
+StoredProblems<real> read_table(const path& file, const ModelText& model) {
+    TextFile text(file, "table of problems");
+    std::string_view line;
+    if (!text.next_entry(line)) throw UserError(file.string() + ": empty; its first line names the columns");
+    const std::vector<std::string> columns = fields_of(line);
+    const auto column = [&](const std::string& name) {
+        return size_t(std::ranges::find(columns, name) - columns.begin());
+    };
+    const auto require_columns = [&](const std::vector<std::string>& names) {
+        std::vector<size_t> out;
+        for (const std::string& name : names) {
+            out.push_back(column(name));
+            if (out.back() == columns.size())
+                text.fail(fmt::format("no column '{}', which the model has; there are: {}", name, fmt::join(columns, ", ")));
+        }
+        return out;
+    };
+    const std::vector<size_t> terms = require_columns(model.terms), values = require_columns(model.values);
+    const size_t weight = column("weight"), problem = column("problem");
+
+    struct Rows {
+        std::vector<real> terms, targets, weights;
+    };
+    std::vector<Rows> rows;
+    std::unordered_map<std::string, size_t> place;
+    StoredProblems<real> out;
+    while (text.next_entry(line)) {
+        const std::vector<std::string> fields = fields_of(line);
+        if (fields.size() != columns.size())
+            text.fail(fmt::format("{} fields, where there are {} columns", fields.size(), columns.size()));
+        const auto number = [&](size_t i) {
+            const std::string& field = fields[i];
+            if (field.empty() || field == "nan" || field == "NaN" || field == "NA") return std::numeric_limits<real>::quiet_NaN();
+            return real(text.to_double(field, columns[i].c_str()));
+        };
+        const std::string label = problem < columns.size() ? fields[problem] : "";
+        const auto [found, added] = place.try_emplace(label, rows.size());
+        if (added) rows.emplace_back(), out.labels.push_back(label);
+        Rows& own = rows[found->second];
+        for (const size_t i : terms) own.terms.push_back(number(i));
+        for (const size_t i : values) own.targets.push_back(number(i));
+        if (weight < columns.size()) own.weights.push_back(number(weight));
+    }
+    if (rows.empty()) throw UserError(file.string() + ": no rows");
+    out.count = rows.size();
+    out.offsets.push_back(0);
+    for (const Rows& own : rows) {
+        out.terms.insert(out.terms.end(), own.terms.begin(), own.terms.end());
+        out.targets.insert(out.targets.end(), own.targets.begin(), own.targets.end());
+        out.weights.insert(out.weights.end(), own.weights.begin(), own.weights.end());
+        out.offsets.push_back(out.offsets.back() + int64_t(own.targets.size() / model.values.size()));
+    }
+    return out;
+}
+
+}  // namespace
+
+template <class real>
+StoredProblems<real> read_problems(const path& input, const ModelText& model, const ByName& start) {
+    if (!path_exists(input)) throw UserError(input.string() + ": no such file or folder");
+    const auto read = !folder_exists(input)                  ? read_table<real>
+                      : path_exists(input / "problems.json") ? read_exported<real>
+                                                             : read_folder<real>;
+    StoredProblems<real> out = read(input, model);
+    const size_t parameters = model.parameters.size();
+    if (out.starts.empty()) out.starts.assign(parameters, std::numeric_limits<real>::quiet_NaN());
+    std::vector<std::string> missing;
+    for (size_t i = 0; i < parameters; ++i) {
+        const auto given = start.find(model.parameters[i]);
+        if (given != start.end())
+            for (size_t k = i; k < out.starts.size(); k += parameters) out.starts[k] = real(given->second);
+        else if (std::isnan(out.starts[i]) && out.starts.size() == parameters)
+            missing.push_back(model.parameters[i]);
+    }
+    if (!missing.empty())
+        throw UserError(fmt::format("{}: says not where fits begin in {}; {}", input.string(), fmt::join(missing, ", "),
+                                    at_command_line(fmt::format("give --start {}=VALUE", fmt::join(missing, "=VALUE,")),
+                                                    "give starts")));
+    return out;
+}
+
+template StoredProblems<float> read_problems(const path&, const ModelText&, const ByName&);
+template StoredProblems<double> read_problems(const path&, const ModelText&, const ByName&);
+
+}  // namespace radiafit::batch

@@ -1,0 +1,181 @@
+// solve: many small least-squares problems from arrays.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "base/atomic_file.h"
+#include "base/clock.h"
+#include "base/error.h"
+#include "base/log.h"
+#include "base/output_lock.h"
+#include "batch/problem_files.h"
+#include "cli/commands.h"
+#include "fitting/problem_folder.h"
+
+namespace radiafit::tools {
+namespace {
+
+using batch::BatchStatus;
+
+struct SolveCommand {
+    std::string input, model, out;
+    std::vector<std::string> start, lower, upper, fix;
+    batch::Precision precision = batch::Precision::double_precision;
+    batch::Options options;
+    bool json = false;
+};
+
+constexpr double huge = std::numeric_limits<double>::max();
+constexpr Range<int> iteration_range{0, 1'000'000};
+constexpr Range<double> tolerance_range{0, 1, "0 is by the precision"};
+constexpr Range<double> scale_range{1e-30, 1e30};
+
+/// "a=1,b=2" of each text, as values by name.
+batch::ByName by_name(const std::string& option, const std::vector<std::string>& texts, const batch::ModelText& model) {
+    batch::ByName out;
+    for (const std::string& text : texts) {
+        std::istringstream parts(text);
+        for (std::string part; std::getline(parts, part, ',');) {
+            const size_t equals = part.find('=');
+            if (equals == std::string::npos)
+                throw UserError(fmt::format("{} = '{}': write NAME=VALUE, between commas", option, text));
+            const std::string name = part.substr(0, equals);
+            if (!std::ranges::count(model.parameters, name)) reject_name(option, name, model.parameters);
+            out[name] = parse_number(option + " " + name, part.substr(equals + 1), Range<double>{-huge, huge});
+        }
+    }
+    return out;
+}
+
+std::vector<double> bounds_of(const batch::ByName& named, const batch::ModelText& model, double without) {
+    std::vector<double> out;
+    for (const std::string& name : model.parameters) {
+        const auto found = named.find(name);
+        out.push_back(found == named.end() ? without : found->second);
+    }
+    return out;
+}
+
+std::vector<bool> fixed_of(const std::vector<std::string>& texts, const batch::ModelText& model) {
+    std::vector<bool> out(model.parameters.size());
+    for (const std::string& text : texts) {
+        std::istringstream parts(text);
+        for (std::string name; std::getline(parts, name, ',');) {
+            const auto found = std::ranges::find(model.parameters, name);
+            if (found == model.parameters.end()) reject_name("fix", name, model.parameters);
+            out[size_t(found - model.parameters.begin())] = true;
+        }
+    }
+    return out;
+}
+
+template <class real>
+void write_table(const std::filesystem::path& file, const batch::ModelText& model,
+                 const batch::StoredProblems<real>& problems, const batch::Solution<real>& solution) {
+    std::string text = "problem";
+    for (const std::string& name : model.parameters) text += fmt::format(",{},sigma_{}", name, name);
+    text += ",error,samples,iterations,status\n";
+    const size_t parameters = model.parameters.size();
+    for (size_t i = 0; i < problems.count; ++i) {
+        const std::string& label = problems.labels[i];
+        text += label.find(',') == std::string::npos ? label : "\"" + label + "\"";
+        for (size_t k = i * parameters; k < (i + 1) * parameters; ++k)
+            text += fmt::format(",{},{}", solution.parameters[k], solution.deviations[k]);
+        text += fmt::format(",{},{},{},{}\n", solution.error[i], solution.samples[i], solution.steps[i],
+                            batch::name_of(BatchStatus(solution.status[i])));
+    }
+    write_file(file, text);
+}
+
+nlohmann::ordered_json status_json(const std::vector<size_t>& counts) {
+    auto json = nlohmann::ordered_json::object();
+    for (size_t s = 0; s < counts.size(); ++s) json[batch::name_of(BatchStatus(s))] = counts[s];
+    return json;
+}
+
+template <class real>
+void solve_files(const SolveCommand& command, const Invocation& invocation) {
+    const OutputLock lock(command.out);
+    ProblemFolder folder(command.out, "radiafit-solution");
+    const Record record = make_record(invocation.argc, invocation.argv);
+    const batch::ModelText text = batch::read_model_file(command.model);
+    batch::Options options = command.options;
+    options.lower = bounds_of(by_name("lower", command.lower, text), text, -INFINITY);
+    options.upper = bounds_of(by_name("upper", command.upper, text), text, INFINITY);
+    options.fixed = fixed_of(command.fix, text);
+    const auto problems = batch::read_problems<real>(command.input, text, by_name("start", command.start, text));
+    const batch::CompiledModel model(text, command.precision);
+    if (model.seconds() > 0) log_info(fmt::format("{}: compiled in {:.1f} s, and kept", command.model, model.seconds()));
+    const Stopwatch clock;
+    const batch::Solution<real> solution = batch::solve(model, problems.arrays(), options);
+    const double seconds = clock.wall_s();
+
+    const uint64_t n = problems.count, p = text.parameters.size();
+    folder.write<real>("parameters", {n, p}, solution.parameters, "of the best end of each problem, as `parameters` names them");
+    folder.write<real>("sigma", {n, p}, solution.deviations, "standard deviations; 0: fixed, or at a bound; infinite: not determined");
+    folder.write<real>("covariance", {n, p, p}, solution.covariance, "of the parameters");
+    folder.write<real>("chi2", {n}, solution.error, "sum of weight times squared residual, or of the loss");
+    folder.write<int32_t>("status", {n}, solution.status, "how each ended, as `statuses` names them from 0 on");
+    folder.write<int32_t>("iterations", {n}, solution.steps, "steps tried, of the best start");
+    folder.write<int64_t>("samples", {n}, solution.samples, "that are not missing");
+    if (!problems.labels.empty()) write_table(folder.path() / "solution.csv", text, problems, solution);
+    const auto json = [](const auto& value) { return nlohmann::ordered_json(value).dump(); };
+    const std::vector<size_t> counts = solution.counts();
+    folder.tell("model", json(text.text));
+    folder.tell("parameters", json(text.parameters));
+    folder.tell("terms", json(text.terms));
+    folder.tell("values", json(text.values));
+    folder.tell("statuses", status_json(counts).dump());
+    folder.tell("seconds", json(seconds));
+    folder.commit(record);
+
+    if (command.json) {
+        fmt::print("{}\n", nlohmann::ordered_json{{"problems", n}, {"seconds", seconds}, {"statuses", status_json(counts)}}.dump());
+        return;
+    }
+    fmt::print("{} problems in {:.3g} s: {:.3g} a second\n", n, seconds, double(n) / seconds);
+    for (size_t s = 0; s < counts.size(); ++s)
+        if (counts[s] > 0)
+            fmt::print("  {} {}: {}\n", counts[s], batch::name_of(BatchStatus(s)), batch::meaning_of(BatchStatus(s)));
+}
+
+}  // namespace
+
+void add_solve(CommandLine& program, const Invocation& invocation) {
+    auto o = std::make_shared<SolveCommand>();
+    CommandLine& command = program.add_command(
+        "solve", "fit a model of one's own to many small sets of samples, from arrays (docs/solve.md)");
+    command.add_text("problems", o->input, "folder of arrays (terms.npy, targets.npy, ...), or a table (CSV)").required();
+    command.add_text("--model", o->model, "text of the model").required();
+    command.add_text("-o,--output", o->out, "folder of the solution").required();
+    command.add_words("--start", o->start, "where fits begin: NAME=VALUE, between commas");
+    command.add_words("--lower", o->lower, "lowest values: NAME=VALUE, between commas");
+    command.add_words("--upper", o->upper, "highest values: NAME=VALUE, between commas");
+    command.add_words("--fix", o->fix, "parameters that stay as they start: NAME, between commas");
+    command.add_choice("--precision", o->precision,
+                       batch::precisions(), "of all numbers: double or float; default: double");
+    command.add_number("--iterations", o->options.iterations, iteration_range, "steps at most");
+    command.add_number("--tolerance", o->options.tolerance, tolerance_range,
+                       "a fit ends where its next step is so many standard deviations");
+    command.add_choice("--loss", o->options.loss,
+                       batch::batch_losses(), "square, huber or cauchy: what a residual costs; default: square");
+    command.add_number("--loss-scale", o->options.loss_scale, scale_range,
+                       "residuals, times the roots of their weights, well below it cost their square");
+    command.add_flag("--known-noise", o->options.known_noise,
+                     "weights are 1 / variance; otherwise relative to it, and the variance is found from the residuals");
+    add_json(command, o->json);
+    command.on_run([=, &invocation] {
+        if (o->precision == batch::Precision::double_precision)
+            solve_files<double>(*o, invocation);
+        else
+            solve_files<float>(*o, invocation);
+    });
+}
+
+}  // namespace radiafit::tools
