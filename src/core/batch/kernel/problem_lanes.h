@@ -60,7 +60,6 @@ class ProblemLanes {
     static constexpr real epsilon = is_double ? real(2.220446e-16) : real(1.1920929e-7);
     static constexpr real infinity = real(__builtin_inf());
     static constexpr real least_pivot = (is_double ? 4 : 16) * P * epsilon;  ///< of a matrix whose diagonal is 1
-    static constexpr int most_polishing = 6;  ///< steps where rounding hides whether the error still falls
 
     /// At some parameters: 1/2 sum of w r^2, its gradient, and Gauss and Newton's matrix.
     struct Sums {
@@ -71,7 +70,7 @@ public:
     /// storage: bytes_for() the most samples of a problem, aligned as vectors are.
     ProblemLanes(const Chunk& chunk, void* storage) : chunk_(chunk), rows_(static_cast<real*>(storage)) {
         for (int i = 0; i < P; ++i) at_[i] = trial_[i] = most_[i] = scale_[i] = number(0);
-        sums_.error = damping_ = growth_ = promised_ = allowance_ = squares_ = number(1);
+        sums_.error = damping_ = growth_ = promised_ = allowance_ = squares_ = shortest_ = number(1);
         for (number& x : sums_.gradient) x = number(0);
         for (number& x : sums_.matrix) x = number(0);
     }
@@ -134,7 +133,8 @@ private:
             allowance_.v[lane] = 0;
             fresh_[lane] = 1;
             ended_[lane] = 0;
-            steps_[lane] = polished_[lane] = 0;
+            steps_[lane] = 0;
+            polished_[lane] = false;
             return;
         }
     }
@@ -364,10 +364,12 @@ private:
         number decrement(0);  // how far the minimum of Gauss and Newton's model lies, by the matrix' norm
         for (int i = 0; i < P; ++i) decrement += forward[i] * forward[i];
 
-        Mask near;  // where rounding hides whether the error still falls
+        Mask near;  // where rounding of values and of their sum hides whether the error still falls
         number damping;
         for (int lane = 0; lane < L; ++lane) {
-            near[lane] = decrement.v[lane] <= 32 * epsilon * sums_.error.v[lane] ? -1 : 0;
+            const real error = sums_.error.v[lane];
+            allowance_.v[lane] = epsilon * (16 * error + 4 * real(__builtin_sqrt(error * squares_.v[lane])));
+            near[lane] = decrement.v[lane] <= 2 * allowance_.v[lane] ? -1 : 0;
             damping.v[lane] = near[lane] ? real(0) : damping_.v[lane];
         }
         for (int i = 0; i < P; ++i)
@@ -397,9 +399,15 @@ private:
             const real variance = 2 * error / real(freedom > 1 ? freedom : 1);
             const bool small = decrement.v[lane] <= real(chunk_.tolerance * chunk_.tolerance) * variance;
             const bool exact = error <= 32 * epsilon * epsilon * squares_.v[lane];
-            allowance_.v[lane] = near[lane] ? 16 * epsilon * error : real(0);
-            if (near[lane]) ++polished_[lane];
-            if (small || exact || (near[lane] && (stays[lane] || polished_[lane] > most_polishing)))
+            bool done = small || exact;
+            if (near[lane]) {  // until steps no longer become shorter
+                done = done || stays[lane] || (polished_[lane] && decrement.v[lane] > real(0.5) * shortest_.v[lane]);
+                polished_[lane] = true;
+                shortest_.v[lane] = decrement.v[lane];
+            } else {
+                allowance_.v[lane] = 0;
+            }
+            if (done)
                 end(lane, minimum(lane, freedom));
             else if (stays[lane] || damping_.v[lane] > real(1e16))
                 end(lane, BatchStatus::stalled);
@@ -497,14 +505,15 @@ private:
     // Of the problem in each lane.
     long long problem_[L], count_[L] = {};
     BatchStatus status_[L];
-    int steps_[L], polished_[L];
-    bool fresh_[L], ended_[L];
+    int steps_[L];
+    bool fresh_[L], ended_[L], polished_[L];
     number at_[P], trial_[P], most_[P], scale_[P], last_[P];  ///< most_: of the matrix' diagonal so far; last_: Gauss
                                                               ///< and Newton's step down from at_
     Mask held_[P], bounded_, better_;
     Sums sums_;  ///< at at_
     Factor factor_;
-    number damping_, growth_, promised_, allowance_, squares_;
+    number damping_, growth_, promised_, squares_;
+    number allowance_, shortest_;  ///< what rounding leaves of errors; decrement of the last step below that
 };
 
 }  // namespace radiafit::batch
