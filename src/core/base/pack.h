@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "base/lane_math.h"
 #include "base/lanes.h"
 
 namespace radiafit {
@@ -79,43 +80,8 @@ using WidePack = PackOf<double>;
 inline WidePack widen(const Pack& x) { return WidePack(__builtin_convertvector(x.v, WidePack::Vector)); }
 inline Pack narrow(const WidePack& x) { return Pack(__builtin_convertvector(x.v, Pack::Vector)); }
 
-namespace detail {
-using PackBits = uint32_t __attribute__((vector_size(32)));
-using PackInts = int32_t __attribute__((vector_size(32)));
-}  // namespace detail
-
-/// e^x within 2 units in the last place (relative error 2e-7) where e^x is a normal float; beyond, x counts as the
-/// nearest such: never zero, never infinite. NaN stays NaN.
-inline Pack exp(const Pack& x) {
-    // x = k ln 2 + r, |r| <= ln 2 / 2; ln 2 in two parts, the first with few enough bits that k times it is exact
-    const Pack bounded = min(max(x, Pack(-87.33f)), Pack(88.37f));
-    const Pack shifted = bounded * Pack(1.44269504f) + Pack(12582912.0f);  // 1.5 * 2^23 rounds to a whole number
-    const Pack k = shifted - Pack(12582912.0f);
-    const Pack r = (bounded - k * Pack(0.693359375f)) + k * Pack(2.12194440e-4f);
-    // the minimax polynomial of (e^r - 1 - r) / r^2: relative error of e^r 3.1e-9
-    const Pack r2 = r * r;
-    const Pack even = (Pack(1.381459861e-3f) * r2 + Pack(4.166838805e-2f)) * r2 + Pack(4.999999345e-1f);
-    const Pack odd = Pack(8.368716879e-3f) * r2 + Pack(1.666652063e-1f);
-    const Pack power = (odd * r + even) * r2 + r + Pack(1.0f);
-    const detail::PackBits whole = (detail::PackBits)shifted.v << 23;  // what 12582912 adds is shifted out
-    return Pack((Pack::Vector)((detail::PackBits)power.v + whole));
-}
-
-/// ln x within 2 units in the last place (relative error 2e-7) for normal positive x; of any other x, some finite
-/// number.
-inline Pack log(const Pack& x) {
-    // x = 2^k m, sqrt(1/2) <= m < sqrt(2)
-    const detail::PackBits bits = (detail::PackBits)x.v, from_half = bits - 0x3f3504f3u;
-    const Pack k(__builtin_convertvector((detail::PackInts)from_half >> 23, Pack::Vector));
-    const Pack f = Pack((Pack::Vector)(bits - (from_half & ~0x7fffffu))) - Pack(1.0f);
-    // the minimax polynomial of (ln(1 + f) - f + f^2 / 2) / f^3: relative error of ln(1 + f) 5.8e-9
-    const Pack f2 = f * f, f4 = f2 * f2;
-    const Pack low = (Pack(3.333333171e-1f) + f * Pack(-2.500082103e-1f)) +
-                     f2 * (Pack(2.000122688e-1f) + f * Pack(-1.662335739e-1f));
-    const Pack high = (Pack(1.420175797e-1f) + f * Pack(-1.316018192e-1f)) +
-                      f2 * (Pack(1.276157712e-1f) + f * Pack(-7.634497869e-2f));
-    const Pack tail = f2 * (f * (high * f4 + low) - Pack(0.5f)) - k * Pack(2.12194440e-4f);
-    return (tail + f) + k * Pack(0.693359375f);
-}
+/// base/lane_math.h.
+inline Pack exp(const Pack& x) { return Pack(lane_math::exp_of_floats(x.v)); }
+inline Pack log(const Pack& x) { return Pack(lane_math::log_of_floats(x.v)); }
 
 }  // namespace radiafit

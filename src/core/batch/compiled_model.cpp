@@ -121,7 +121,7 @@ CompiledModel::CompiledModel(const ModelText& text, Precision precision) : text_
         UnfinishedFolder work(folder, "");
         for (const EmbeddedText& part : embedded_kernel()) {
             const std::string_view file = part.file;
-            const path to = work.path() / file.substr(file.find(file.starts_with("src/") ? "batch/" : "model/"));
+            const path to = work.path() / file.substr(std::string_view(file.starts_with("src/") ? "src/core/" : "shaders/").size());
             std::filesystem::create_directories(to.parent_path());
             write_file(to, part.text);
         }

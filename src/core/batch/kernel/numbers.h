@@ -4,6 +4,8 @@
 // next to nothing, since it is compiled anew with every model (batch/kernel/problem_lanes.h).
 #include <cmath>
 
+#include "base/lane_math.h"
+
 namespace radiafit::batch {
 
 #ifdef __AVX512F__
@@ -59,7 +61,6 @@ RADIAFIT_INLINE Wide<real> sqrt(const Wide<real>& x) {
 // The C library's functions of several numbers, within 4 units in the last place; else one after another.
 #if defined(__x86_64__) && defined(__GLIBC__)
 #ifdef __AVX512F__
-#define RADIAFIT_LIBMVEC(count_f, count_d, args, name) _ZGVeN16##args##_##name##f, _ZGVeN8##args##_##name
 #define RADIAFIT_SYMBOL_F(args, name) _ZGVeN16##args##_##name##f
 #define RADIAFIT_SYMBOL_D(args, name) _ZGVeN8##args##_##name
 #elif defined(__AVX2__)
@@ -102,10 +103,13 @@ RADIAFIT_INLINE Wide<real> sqrt(const Wide<real>& x) {
         return y;                                                                                              \
     }
 #endif
-RADIAFIT_ONE(exp) RADIAFIT_ONE(log) RADIAFIT_ONE(sin) RADIAFIT_ONE(cos) RADIAFIT_ONE(tan) RADIAFIT_ONE(atan)
+RADIAFIT_ONE(log) RADIAFIT_ONE(sin) RADIAFIT_ONE(cos) RADIAFIT_ONE(tan) RADIAFIT_ONE(atan)
 RADIAFIT_ONE(sinh) RADIAFIT_ONE(cosh) RADIAFIT_ONE(tanh) RADIAFIT_TWO(pow)
 #undef RADIAFIT_ONE
 #undef RADIAFIT_TWO
+
+RADIAFIT_INLINE Wide<float> exp(const Wide<float>& x) { return Wide<float>(lane_math::exp_of_floats(x.v)); }
+RADIAFIT_INLINE Wide<double> exp(const Wide<double>& x) { return Wide<double>(lane_math::exp_of_doubles(x.v)); }
 
 /// A number and its derivatives by so many parameters.
 template <class number, int count>

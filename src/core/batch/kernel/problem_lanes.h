@@ -23,7 +23,7 @@ struct LossOf {
 
 /// One problem's values [samples][values] and their derivatives [samples][values][parameters], samples side by side.
 template <class real, class Model>
-void evaluate_samples(const real* parameters, const real* terms, long long samples, real* values, real* derivatives) {
+[[gnu::flatten]] void evaluate_samples(const real* parameters, const real* terms, long long samples, real* values, real* derivatives) {
     using number = Wide<real>;
     constexpr int P = Model::parameters, T = Model::terms, Y = Model::values, L = number::size;
     Jet<number, P> p[P], t[T], y[Y];
@@ -68,24 +68,40 @@ class ProblemLanes {
 
 public:
     /// storage: bytes_for() the most samples of a problem, aligned as vectors are.
-    ProblemLanes(const Chunk& chunk, void* storage) : chunk_(chunk), rows_(static_cast<real*>(storage)) {
-        for (int i = 0; i < P; ++i) at_[i] = trial_[i] = most_[i] = scale_[i] = number(0);
-        sums_.error = damping_ = growth_ = promised_ = allowance_ = squares_ = shortest_ = number(1);
-        for (number& x : sums_.gradient) x = number(0);
+    ProblemLanes(const Chunk& chunk, void* storage)
+        : chunk_(chunk), row_((chunk.shared_terms ? 0 : T) + Y + 1), rows_(static_cast<real*>(storage)) {
+        for (int i = 0; i < P; ++i) {
+            at_[i] = trial_[i] = most_[i] = scale_[i] = last_[i] = sums_.gradient[i] = number(0);
+            held_[i] = Mask{};
+            lower_[i] = number(reals(chunk_.lower)[i]);
+            upper_[i] = number(reals(chunk_.upper)[i]);
+            fixed_[i] = chunk_.fixed[i] ? ~Mask{} : Mask{};
+        }
+        sums_.error = damping_ = growth_ = promised_ = squares_ = allowance_ = shortest_ = values_ = number(1);
+        steps_ = number(0);
         for (number& x : sums_.matrix) x = number(0);
+        occupied_ = fresh_ = polished_ = better_ = bounded_ = Mask{};
+        for (int lane = 0; lane < L; ++lane) problem_[lane] = -1;
+        if (chunk_.shared_terms) share_terms();
     }
-    static long long bytes_for(long long samples) { return samples * (T + Y + 1) * L * (long long)sizeof(real); }
+    static long long bytes_for(long long samples) {
+        return samples * ((T + Y + 1) * L + T) * (long long)sizeof(real);
+    }
 
     void run() {
-        for (long long i = chunk_.first; i < chunk_.first + chunk_.count; ++i) begin(i);
+        for (long long i = chunk_.first; i < chunk_.first + chunk_.count; ++i) {
+            out(chunk_.error)[i] = infinity;
+            chunk_.status[i] = int(BatchStatus::no_samples);
+        }
         for (int lane = 0; lane < L; ++lane) take_next(lane);
-        while (longest() > 0) {
+        while (any(occupied_)) {
             Sums trial;
             evaluate(trial);
-            accept(trial);
-            propose();
+            Mask ended = accept(trial);
+            ended |= propose();
+            if (!any(ended)) continue;
             for (int lane = 0; lane < L; ++lane)
-                if (problem_[lane] >= 0 && ended_[lane]) {
+                if (ended[lane]) {
                     write(lane);
                     take_next(lane);
                 }
@@ -93,90 +109,14 @@ public:
     }
 
 private:
-    const real* reals(const void* p) const { return static_cast<const real*>(p); }
-    real* out(void* p) const { return static_cast<real*>(p); }
+    static const real* reals(const void* p) { return static_cast<const real*>(p); }
+    static real* out(void* p) { return static_cast<real*>(p); }
 
-    void begin(long long problem) {
-        out(chunk_.error)[problem] = infinity;
-        chunk_.status[problem] = int(BatchStatus::no_samples);
-    }
-
-    // The next problem that has samples, from the next of its starts; or none.
-    void take_next(int lane) {
-        problem_[lane] = -1;
-        count_[lane] = 0;
-        while (next_ < chunk_.count) {
-            const long long problem = chunk_.first + next_, from = next_start_;
-            if (++next_start_ == chunk_.start_count) next_start_ = 0, ++next_;
-            const real* start = reals(chunk_.starts) +
-                                (from * chunk_.starts_of_each + (chunk_.starts_of_each > 1 ? problem : 0)) * P;
-            load(lane, problem);
-            if (count_[lane] == 0) {
-                without_samples(problem, start);
-                continue;
-            }
-            problem_[lane] = problem;
-            for (int i = 0; i < P; ++i) {
-                real x = start[i];
-                if (!chunk_.fixed[i]) {
-                    if (x < reals(chunk_.lower)[i]) x = reals(chunk_.lower)[i];
-                    if (x > reals(chunk_.upper)[i]) x = reals(chunk_.upper)[i];
-                }
-                trial_[i].v[lane] = x;
-                at_[i].v[lane] = x;
-                most_[i].v[lane] = 0;
-            }
-            sums_.error.v[lane] = infinity;
-            damping_.v[lane] = real(1e-3);
-            growth_.v[lane] = 2;
-            promised_.v[lane] = 1;
-            allowance_.v[lane] = 0;
-            fresh_[lane] = 1;
-            ended_[lane] = 0;
-            steps_[lane] = 0;
-            polished_[lane] = false;
-            return;
-        }
-    }
-
-    // A problem's samples into a lane, without those that are missing; behind them its first ones again with no weight.
-    void load(int lane, long long problem) {
-        const long long first = chunk_.offsets ? chunk_.offsets[problem] : problem * chunk_.samples;
-        const long long samples = chunk_.offsets ? chunk_.offsets[problem + 1] - first : chunk_.samples;
-        const real* terms = reals(chunk_.terms) + (chunk_.shared_terms ? 0 : first * T);
-        const real* targets = reals(chunk_.targets) + first * Y;
-        const real* weights = chunk_.weights ? reals(chunk_.weights) + first : nullptr;
-        long long kept = 0;
-        real squares = 0;
-        for (long long s = 0; s < samples; ++s) {
-            const real weight = weights ? weights[s] : real(1);
-            bool there = weight > 0 && finite(weight);
-            for (int c = 0; c < Y; ++c) there = there && finite(targets[s * Y + c]);
-            for (int k = 0; k < T; ++k) there = there && finite(terms[s * T + k]);
-            if (!there) continue;
-            real* row = rows_ + kept * (T + Y + 1) * L + lane;
-            for (int k = 0; k < T; ++k) row[k * L] = terms[s * T + k];
-            for (int c = 0; c < Y; ++c) {
-                row[(T + c) * L] = targets[s * Y + c];
-                squares += weight * targets[s * Y + c] * targets[s * Y + c];
-            }
-            row[(T + Y) * L] = weight;
-            ++kept;
-        }
-        count_[lane] = kept;
-        squares_.v[lane] = squares;
-        for (long long s = kept; kept > 0 && s < filled_; ++s) pad(lane, s);
-        if (kept > filled_) {
-            for (long long s = filled_; s < kept; ++s)
-                for (int other = 0; other < L; ++other)
-                    if (other != lane) pad(other, s);
-            filled_ = kept;
-        }
-    }
-    void pad(int lane, long long sample) {
-        real* row = rows_ + sample * (T + Y + 1) * L + lane;
-        for (int k = 0; k < T + Y; ++k) row[k * L] = count_[lane] > 0 ? rows_[k * L + lane] : real(0);
-        row[(T + Y) * L] = 0;
+    static bool any(const Mask& mask) {
+        unsigned long long words[sizeof(Mask) / 8], all = 0;
+        __builtin_memcpy(words, &mask, sizeof mask);
+        for (const unsigned long long word : words) all |= word;
+        return all != 0;
     }
 
     // Not by comparison, since the compiler may take all numbers for finite.
@@ -190,12 +130,11 @@ private:
         __builtin_memcpy(&bits, &x, sizeof bits);
         return (bits & 0x7ff0000000000000ull) != 0x7ff0000000000000ull;
     }
-
-    long long longest() const {
-        long long most = 0;
-        for (int lane = 0; lane < L; ++lane)
-            if (problem_[lane] >= 0 && count_[lane] > most) most = count_[lane];
-        return most;
+    static Mask finite(const number& x) {
+        using Integer = decltype(Mask{}[0] + 0);
+        constexpr auto exponent = is_double ? 0x7ff0000000000000ll : 0x7f800000ll;
+        const Mask bits = (Mask)x.v & (Mask{} + (Integer)exponent);
+        return bits != Mask{} + (Integer)exponent;
     }
 
     static number load(const real* from) {
@@ -204,16 +143,131 @@ private:
         return x;
     }
 
-    void evaluate(Sums& sums) const {
-        switch (chunk_.loss) {
-            case BatchLoss::huber: return evaluate<BatchLoss::huber>(sums);
-            case BatchLoss::cauchy: return evaluate<BatchLoss::cauchy>(sums);
-            default: return evaluate<BatchLoss::square>(sums);
+    // Terms that all problems have, in the storage behind the rows; those of a sample that lacks one are another's.
+    void share_terms() {
+        shared_ = rows_ + chunk_.samples * row_ * L;
+        const real* terms = reals(chunk_.terms);
+        long long whole = -1;
+        for (long long s = 0; s < chunk_.samples; ++s)
+            if (whole_terms(terms + s * T) && whole < 0) whole = s;
+        for (long long s = 0; s < chunk_.samples; ++s)
+            for (int k = 0; k < T; ++k)
+                shared_[s * T + k] = whole_terms(terms + s * T) ? terms[s * T + k] : whole < 0 ? real(0) : terms[whole * T + k];
+    }
+    static bool whole_terms(const real* terms) {
+        for (int k = 0; k < T; ++k)
+            if (!finite(terms[k])) return false;
+        return true;
+    }
+
+    // The next problem that has samples, from the next of its starts; or none.
+    void take_next(int lane) {
+        problem_[lane] = -1;
+        occupied_[lane] = fresh_[lane] = 0;
+        while (next_ < chunk_.count) {
+            const long long problem = chunk_.first + next_, from = next_start_;
+            if (++next_start_ == chunk_.start_count) next_start_ = 0, ++next_;
+            const real* start = reals(chunk_.starts) +
+                                (from * chunk_.starts_of_each + (chunk_.starts_of_each > 1 ? problem : 0)) * P;
+            load_samples(lane, problem);
+            if (count_[lane] == 0) {
+                without_samples(problem, start);
+                continue;
+            }
+            problem_[lane] = problem;
+            for (int i = 0; i < P; ++i) {
+                real x = start[i];
+                if (!chunk_.fixed[i]) {
+                    if (x < lower_[i].v[lane]) x = lower_[i].v[lane];
+                    if (x > upper_[i].v[lane]) x = upper_[i].v[lane];
+                }
+                trial_[i].v[lane] = at_[i].v[lane] = x;
+                most_[i].v[lane] = 0;
+            }
+            sums_.error.v[lane] = infinity;
+            damping_.v[lane] = real(1e-3);
+            growth_.v[lane] = 2;
+            promised_.v[lane] = 1;
+            allowance_.v[lane] = 0;
+            steps_.v[lane] = 0;
+            occupied_[lane] = fresh_[lane] = -1;
+            polished_[lane] = 0;
+            return;
         }
     }
 
-    template <BatchLoss loss>
-    void evaluate(Sums& to) const {
+    // A problem's samples into a lane. Those that are missing have no weight, and another's terms.
+    void load_samples(int lane, long long problem) {
+        const long long first = chunk_.offsets ? chunk_.offsets[problem] : problem * chunk_.samples;
+        const long long samples = chunk_.offsets ? chunk_.offsets[problem + 1] - first : chunk_.samples;
+        const bool shared = chunk_.shared_terms;
+        const real* terms = reals(chunk_.terms) + (shared ? 0 : first * T);
+        const real* targets = reals(chunk_.targets) + first * Y;
+        const real* weights = chunk_.weights ? reals(chunk_.weights) + first : nullptr;
+        long long kept = 0, whole = -1;
+        real squares = 0;
+        for (long long s = 0; s < samples; ++s) {
+            real weight = weights ? weights[s] : real(1);
+            bool there = weight > 0 && finite(weight) && whole_terms(terms + s * T);
+            for (int c = 0; c < Y; ++c) there = there && finite(targets[s * Y + c]);
+            if (!there) weight = 0;
+            kept += there;
+            if (there && whole < 0) whole = s;
+            real* row = rows_ + s * row_ * L + lane;
+            if (!shared)
+                for (int k = 0; k < T; ++k, row += L) *row = there ? terms[s * T + k] : real(0);
+            for (int c = 0; c < Y; ++c, row += L) {
+                *row = there ? targets[s * Y + c] : real(0);
+                squares += weight * *row * *row;
+            }
+            *row = weight;
+        }
+        count_[lane] = kept;
+        length_[lane] = samples;
+        values_.v[lane] = real(kept * Y);
+        squares_.v[lane] = squares;
+        even_[lane] = !weights && kept == samples;
+        if (kept < samples && whole >= 0 && !shared)
+            for (long long s = 0; s < samples; ++s)
+                if (rows_[(s * row_ + T + Y) * L + lane] == 0)
+                    for (int k = 0; k < T; ++k) rows_[(s * row_ + k) * L + lane] = terms[whole * T + k];
+        for (long long s = samples; s < filled_; ++s) pad(lane, s, whole < 0 ? 0 : whole);
+        if (samples <= filled_) return;
+        for (long long s = filled_; s < samples; ++s)
+            for (int other = 0; other < L; ++other)
+                if (other != lane) pad(other, s, 0);
+        filled_ = samples;
+    }
+    void pad(int lane, long long sample, long long like) {
+        for (int k = 0; k < row_; ++k) rows_[(sample * row_ + k) * L + lane] = k + 1 < row_ ? rows_[(like * row_ + k) * L + lane] : real(0);
+    }
+
+    void evaluate(Sums& sums) const {
+        long long samples = 0;
+        bool even = true;  // nothing but samples of weight 1
+        for (int lane = 0; lane < L; ++lane) {
+            if (problem_[lane] < 0) continue;
+            if (length_[lane] > samples) samples = length_[lane];
+            even = even && even_[lane];
+        }
+        for (int lane = 0; lane < L; ++lane) even = even && (problem_[lane] < 0 || length_[lane] == samples);
+        switch (chunk_.loss) {
+            case BatchLoss::huber: return evaluate<BatchLoss::huber, false>(samples, sums);
+            case BatchLoss::cauchy: return evaluate<BatchLoss::cauchy, false>(samples, sums);
+            default:
+                return even ? evaluate<BatchLoss::square, true>(samples, sums)
+                            : evaluate<BatchLoss::square, false>(samples, sums);
+        }
+    }
+    template <BatchLoss loss, bool even>
+    void evaluate(long long samples, Sums& to) const {
+        return chunk_.shared_terms ? evaluate<loss, even, true>(samples, to) : evaluate<loss, even, false>(samples, to);
+    }
+
+    // Flattened: the model's functions become part of it, and products with derivatives that are zero go.
+    template <BatchLoss loss, bool even, bool shared>
+    [[gnu::flatten]] void evaluate(long long samples, Sums& to) const {
+        constexpr int terms_in_row = shared ? 0 : T, width = terms_in_row + Y + 1;
         Sums sums;
         sums.error = number(0);
         for (number& x : sums.gradient) x = number(0);
@@ -225,20 +279,25 @@ private:
             p[i].d[i] = number(1);
         }
         const number scale{real(chunk_.loss_scale)};
-        const long long samples = longest();
         for (long long s = 0; s < samples; ++s) {
-            const real* row = rows_ + s * (T + Y + 1) * L;
-            jet t[T > 0 ? T : 1], y[Y];
+            const real* row = rows_ + s * width * L;
+            jet t[T], y[Y];
 #pragma GCC unroll 32
-            for (int k = 0; k < T; ++k) t[k] = jet(load(row + k * L));
+            for (int k = 0; k < T; ++k) {
+                if constexpr (shared)
+                    t[k] = jet(number(shared_[s * T + k]));
+                else
+                    t[k] = jet(load(row + k * L));
+            }
             Model::value(p, t, y);
-            number weight = load(row + (T + Y) * L), residual[Y], squared(0);
+            number weight(1), residual[Y], squared(0);
+            if constexpr (!even) weight = load(row + (width - 1) * L);
 #pragma GCC unroll 4
             for (int c = 0; c < Y; ++c) {
-                residual[c] = y[c].v - load(row + (T + c) * L);
+                residual[c] = y[c].v - load(row + (terms_in_row + c) * L);
                 squared += residual[c] * residual[c];
             }
-            squared *= weight;
+            if constexpr (!even) squared *= weight;
             if constexpr (loss == BatchLoss::square)
                 sums.error += squared;
             else if constexpr (loss == BatchLoss::huber) {
@@ -252,7 +311,7 @@ private:
             for (int c = 0; c < Y; ++c)
 #pragma GCC unroll 32
                 for (int i = 0; i < P; ++i) {
-                    const number weighted = weight * y[c].d[i];
+                    const number weighted = even ? y[c].d[i] : weight * y[c].d[i];
                     sums.gradient[i] += weighted * residual[c];
 #pragma GCC unroll 32
                     for (int j = 0; j <= i; ++j) sums.matrix[at(i, j)] += weighted * y[c].d[j];
@@ -262,41 +321,31 @@ private:
         to = sums;
     }
 
-    // Moves to the trial where it is better; elsewhere the damping grows.
-    void accept(const Sums& trial) {
-        for (int lane = 0; lane < L; ++lane) {
-            better_[lane] = 0;
-            if (problem_[lane] < 0) continue;
-            const real error = trial.error.v[lane], before = sums_.error.v[lane];
-            if (fresh_[lane]) {
-                fresh_[lane] = 0;
-                better_[lane] = -1;
-                if (!finite(error)) ended_[lane] = 1, status_[lane] = BatchStatus::not_finite;
-                continue;
-            }
-            ++steps_[lane];
-            if (finite(error) && error < before + allowance_.v[lane]) {
-                better_[lane] = -1;
-                const real gain = (before - error) / promised_.v[lane], x = 2 * gain - 1;
-                real factor = 1 - x * x * x;
-                if (factor < real(1.0 / 3)) factor = real(1.0 / 3);
-                if (factor > 2) factor = 2;
-                damping_.v[lane] *= factor;
-                if (damping_.v[lane] < real(1e-20)) damping_.v[lane] = real(1e-20);
-                growth_.v[lane] = 2;
-            } else {
-                damping_.v[lane] *= growth_.v[lane];
-                growth_.v[lane] *= 2;
-            }
-        }
+    // Moves to the trial where it is better; elsewhere the damping grows. Returns lanes whose start is not finite.
+    Mask accept(const Sums& trial) {
+        const Mask whole = finite(trial.error);
+        better_ = occupied_ & (fresh_ | (whole & (trial.error < sums_.error + allowance_)));
+        const number x = number(2) * (sums_.error - trial.error) / promised_ - number(1);
+        const number factor = min(max(number(1) - x * x * x, number(1.0 / 3)), number(2));
+        const number moved = max(damping_ * number::select(better_, factor, growth_), number(1e-20));
+        damping_ = number::select(fresh_, damping_, moved);
+        growth_ = number::select(better_, number(2), growth_ * number(2));
+        steps_ += number::select(occupied_ & ~fresh_, number(1), number(0));
+        const Mask lost = fresh_ & ~whole;
+        fresh_ = Mask{};
         const auto take = [this](number& to, const number& from) { to = number::select(better_, from, to); };
         take(sums_.error, trial.error);
+        for (int k = 0; k < below; ++k) take(sums_.matrix[k], trial.matrix[k]);
         for (int i = 0; i < P; ++i) {
             take(at_[i], trial_[i]);
             take(sums_.gradient[i], trial.gradient[i]);
+            most_[i] = max(most_[i], sums_.matrix[at(i, i)]);
         }
-        for (int k = 0; k < below; ++k) take(sums_.matrix[k], trial.matrix[k]);
-        for (int i = 0; i < P; ++i) most_[i] = max(most_[i], sums_.matrix[at(i, i)]);
+        if (any(lost))
+            for (int lane = 0; lane < L; ++lane)
+                if (lost[lane]) status_[lane] = BatchStatus::not_finite;
+        lost_ = lost;
+        return lost;
     }
 
     /// Cholesky's factor of a matrix whose diagonal is about 1, one over its diagonal, and the least pivot.
@@ -338,18 +387,19 @@ private:
         }
     };
 
-    // Tests where lanes are, and sets trial_ to the next step.
-    void propose() {
-        number scaled[below], gradient[P], forward[P], step[P];
+    // Sets trial_ to the next step. Returns lanes that have ended, and why in status_.
+    Mask propose() {
+        number scaled[below], gradient[P], forward[P], step[P], free(0);
         bounded_ = Mask{};
         for (int i = 0; i < P; ++i) {
-            const number lower{reals(chunk_.lower)[i]}, upper{reals(chunk_.upper)[i]};
-            const Mask outward = ((at_[i] <= lower) & (sums_.gradient[i] >= number(0))) |
-                                 ((at_[i] >= upper) & (sums_.gradient[i] <= number(0)));
-            const Mask fixed = chunk_.fixed[i] ? ~Mask{} : Mask{};
-            held_[i] = fixed | outward | (sums_.matrix[at(i, i)] <= number(0));
-            bounded_ |= outward & ~fixed;
-            scale_[i] = number::select(held_[i], number(0), number(1) / sqrt(sums_.matrix[at(i, i)]));
+            const number& diagonal = sums_.matrix[at(i, i)];
+            const Mask outward = ((at_[i] <= lower_[i]) & (sums_.gradient[i] >= number(0))) |
+                                 ((at_[i] >= upper_[i]) & (sums_.gradient[i] <= number(0)));
+            const Mask unseen = diagonal <= number(0);  // no sample depends on it
+            held_[i] = fixed_[i] | outward | unseen;
+            bounded_ |= outward & ~fixed_[i];
+            free += number::select(fixed_[i] | (outward & ~unseen), number(0), number(1));
+            scale_[i] = number::select(held_[i], number(0), number(1) / sqrt(diagonal));
         }
         for (int i = 0; i < P; ++i) {
             for (int j = 0; j < i; ++j) scaled[at(i, j)] = sums_.matrix[at(i, j)] * scale_[i] * scale_[j];
@@ -364,14 +414,12 @@ private:
         number decrement(0);  // how far the minimum of Gauss and Newton's model lies, by the matrix' norm
         for (int i = 0; i < P; ++i) decrement += forward[i] * forward[i];
 
-        Mask near;  // where rounding of values and of their sum hides whether the error still falls
-        number damping;
-        for (int lane = 0; lane < L; ++lane) {
-            const real error = sums_.error.v[lane];
-            allowance_.v[lane] = epsilon * (16 * error + 4 * real(__builtin_sqrt(error * squares_.v[lane])));
-            near[lane] = decrement.v[lane] <= 2 * allowance_.v[lane] ? -1 : 0;
-            damping.v[lane] = near[lane] ? real(0) : damping_.v[lane];
-        }
+        // near: where rounding of values and of their sum hides whether the error still falls
+        const number& error = sums_.error;
+        const number hidden = number(epsilon) * (number(16) * error + number(4) * sqrt(error * squares_));
+        const Mask near = decrement <= number(2) * hidden;
+        allowance_ = number::select(near, hidden, number(0));
+        const number damping = number::select(near, number(0), damping_);
         for (int i = 0; i < P; ++i)
             scaled[at(i, i)] += number::select(held_[i], number(0), damping * most_[i] * scale_[i] * scale_[i]);
         const Factor damped(scaled);
@@ -380,7 +428,7 @@ private:
         number moved[P];
         Mask stays = ~Mask{};
         for (int i = 0; i < P; ++i) {
-            trial_[i] = min(max(at_[i] - step[i] * scale_[i], number(reals(chunk_.lower)[i])), number(reals(chunk_.upper)[i]));
+            trial_[i] = min(max(at_[i] - step[i] * scale_[i], lower_[i]), upper_[i]);
             trial_[i] = number::select(held_[i], at_[i], trial_[i]);
             moved[i] = trial_[i] - at_[i];
             stays &= moved[i].v == 0;
@@ -392,48 +440,34 @@ private:
             promised_ -= by * moved[i];
         }
 
-        for (int lane = 0; lane < L; ++lane) {
-            if (problem_[lane] < 0 || ended_[lane]) continue;
-            const real error = sums_.error.v[lane];
-            const long long freedom = count_[lane] * Y - free_parameters(lane);
-            const real variance = 2 * error / real(freedom > 1 ? freedom : 1);
-            const bool small = decrement.v[lane] <= real(chunk_.tolerance * chunk_.tolerance) * variance;
-            const bool exact = error <= 32 * epsilon * epsilon * squares_.v[lane];
-            bool done = small || exact;
-            if (near[lane]) {  // until steps no longer become shorter
-                done = done || stays[lane] || (polished_[lane] && decrement.v[lane] > real(0.5) * shortest_.v[lane]);
-                polished_[lane] = true;
-                shortest_.v[lane] = decrement.v[lane];
-            } else {
-                allowance_.v[lane] = 0;
-            }
-            if (done)
-                end(lane, minimum(lane, freedom));
-            else if (stays[lane] || damping_.v[lane] > real(1e16))
-                end(lane, BatchStatus::stalled);
-            else if (steps_[lane] >= chunk_.iterations)
-                end(lane, BatchStatus::max_iterations);
-        }
-    }
-
-    int free_parameters(int lane) const {
-        int free = 0;
-        for (int i = 0; i < P; ++i) free += !(chunk_.fixed[i] || (held_[i][lane] && sums_.matrix[at(i, i)].v[lane] > 0));
-        return free;
+        freedom_ = values_ - free;
+        const number variance = number(2) * error / max(freedom_, number(1));
+        const Mask small = decrement <= number(real(chunk_.tolerance * chunk_.tolerance)) * variance;
+        const Mask exact = error <= number(32 * epsilon * epsilon) * squares_;
+        // near the minimum on until steps no longer become shorter
+        const Mask settled = near & (stays | (polished_ & (decrement > number(0.5) * shortest_)));
+        polished_ |= near;
+        shortest_ = number::select(near, decrement, shortest_);
+        const Mask done = small | exact | settled;
+        const Mask stalled = ~done & (stays | (damping_ > number(1e16)));
+        const Mask spent = steps_ >= number(chunk_.iterations);
+        const Mask ended = occupied_ & ~lost_ & (done | stalled | spent);
+        if (any(ended))
+            for (int lane = 0; lane < L; ++lane)
+                if (ended[lane])
+                    status_[lane] = done[lane]      ? minimum(lane)
+                                    : stalled[lane] ? BatchStatus::stalled
+                                                    : BatchStatus::max_iterations;
+        return ended;
     }
 
     // What a minimum is called. A parameter that no sample depends on is not determined.
-    BatchStatus minimum(int lane, long long freedom) const {
-        bool determined = freedom >= 0 && factor_.least.v[lane] > least_pivot;
+    BatchStatus minimum(int lane) const {
+        bool determined = freedom_.v[lane] >= 0 && factor_.least.v[lane] > least_pivot;
         for (int i = 0; i < P; ++i)
             if (!chunk_.fixed[i] && !(sums_.matrix[at(i, i)].v[lane] > 0)) determined = false;
         if (!determined) return BatchStatus::underdetermined;
         return bounded_[lane] ? BatchStatus::at_bound : BatchStatus::converged;
-    }
-
-    void end(int lane, BatchStatus status) {
-        ended_[lane] = 1;
-        status_[lane] = status;
     }
 
     void without_samples(long long problem, const real* start) {
@@ -457,7 +491,7 @@ private:
         const bool worse = !first && (!finite_start || !(error < out(chunk_.error)[problem]));
         if (worse) return;
         chunk_.status[problem] = int(status_[lane]);
-        chunk_.steps[problem] = steps_[lane];
+        chunk_.steps[problem] = int(steps_.v[lane]);
         chunk_.seen[problem] = count_[lane];
         out(chunk_.error)[problem] = finite_start ? error : infinity;
         const bool at_minimum = status_[lane] == BatchStatus::converged || status_[lane] == BatchStatus::at_bound;
@@ -465,8 +499,8 @@ private:
             real x = at_[i].v[lane];
             if (at_minimum && !held_[i][lane]) {  // the last step, too short to be tried
                 x -= last_[i].v[lane];
-                if (x < reals(chunk_.lower)[i]) x = reals(chunk_.lower)[i];
-                if (x > reals(chunk_.upper)[i]) x = reals(chunk_.upper)[i];
+                if (x < lower_[i].v[lane]) x = lower_[i].v[lane];
+                if (x > upper_[i].v[lane]) x = upper_[i].v[lane];
             }
             out(chunk_.parameters)[problem * P + i] = x;
         }
@@ -479,11 +513,11 @@ private:
                 for (int k = j; k < i; ++k) sum -= factor_.l[at(i, k)].v[lane] * inverse[k][j];
                 inverse[i][j] = sum * factor_.over[i].v[lane];
             }
-        const long long freedom = count_[lane] * Y - free_parameters(lane);
+        const real freedom = freedom_.v[lane];
         const bool known = status_[lane] != BatchStatus::underdetermined && finite_start && (chunk_.known_noise || freedom > 0);
-        const real variance = chunk_.known_noise ? real(1) : error / real(freedom > 0 ? freedom : 1);
+        const real variance = chunk_.known_noise ? real(1) : error / (freedom > 0 ? freedom : 1);
         for (int i = 0; i < P; ++i)
-            for (int j = 0; j <= i; ++j) {
+            for (int j = chunk_.covariance ? 0 : i; j <= i; ++j) {
                 real sum = 0;
                 for (int k = i; k < P; ++k) sum += inverse[k][i] * inverse[k][j];
                 const bool unknown = !known && !chunk_.fixed[i] && !chunk_.fixed[j];
@@ -498,21 +532,22 @@ private:
     }
 
     const Chunk& chunk_;
-    real* rows_;            ///< [samples][T + Y + 1][lanes]: terms, targets, weight
-    long long filled_ = 0;  ///< rows that hold numbers in every lane
+    int row_;                 ///< numbers of a sample in a lane: its terms unless they are shared, targets, weight
+    real* rows_;              ///< [samples][row_][lanes]
+    real* shared_ = nullptr;  ///< [samples][T] terms of all problems
+    long long filled_ = 0;    ///< rows that hold numbers in every lane
     long long next_ = 0, next_start_ = 0;
 
     // Of the problem in each lane.
-    long long problem_[L], count_[L] = {};
-    BatchStatus status_[L];
-    int steps_[L];
-    bool fresh_[L], ended_[L], polished_[L];
-    number at_[P], trial_[P], most_[P], scale_[P], last_[P];  ///< most_: of the matrix' diagonal so far; last_: Gauss
-                                                              ///< and Newton's step down from at_
-    Mask held_[P], bounded_, better_;
-    Sums sums_;  ///< at at_
+    long long problem_[L], count_[L] = {}, length_[L] = {};  ///< its samples, without and with those that are missing
+    bool even_[L] = {};                                      ///< none is missing, and all weigh 1
+    BatchStatus status_[L] = {};
+    Mask occupied_, fresh_, polished_, better_, bounded_, lost_, held_[P], fixed_[P];
+    number at_[P], trial_[P], lower_[P], upper_[P];
+    number most_[P], scale_[P], last_[P];  ///< most_: of the matrix' diagonal so far; last_: Gauss and Newton's step from at_
+    Sums sums_;                            ///< at at_
     Factor factor_;
-    number damping_, growth_, promised_, squares_;
+    number damping_, growth_, promised_, squares_, values_, freedom_, steps_;
     number allowance_, shortest_;  ///< what rounding leaves of errors; decrement of the last step below that
 };
 
