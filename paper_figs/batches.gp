@@ -23,7 +23,7 @@ set grid y lt 1 lc rgb '#e4e4e4'
 set border 3
 set tics nomirror
 set xrange [0.4:words(names) + 0.6]
-set xtics () rotate by -20
+set xtics () rotate by 20 right
 do for [i=1:words(names)] { set xtics add (shown(word(names, i)) i) }
 set key top right
 set boxwidth 0.26

@@ -26,7 +26,6 @@ set yrange [2 * words(problems) - 0.5:-0.5]
 set xtics out rotate by -35 nomirror
 set ytics out nomirror
 unset grid
-do for [i=1:words(solvers)] { set xtics add (plain(word(solvers, i)) i) }
 set xtics scale 0.5
 set ytics ()
 set xtics ()
@@ -34,4 +33,4 @@ do for [i=1:words(solvers)] { set xtics add (plain(word(solvers, i)) i) }
 do for [i=1:words(problems)] { set ytics add (word(problems, i) . ', start 1' 2 * i - 2); set ytics add ('start 2' 2 * i - 1) }
 set bmargin at screen 0.17
 plot runs using (solver(0)):(row(0)):(0.5):(0.5):(column('digits')) with boxxyerror fill solid noborder lc palette, \
-    '' using (solver(0)):(row(0)):(sprintf('%.0f', column('digits'))) with labels font ',8'
+    '' using (solver(0)):(row(0)):(sprintf('%d', int(column('digits')))) with labels font ',8'

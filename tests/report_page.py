@@ -8,7 +8,7 @@ VOID = {"br", "col", "hr", "img", "input", "link", "meta"}
 
 def copy_sources(checkout, root):
     """What the report reads of a checkout."""
-    for folder, pattern in (("experiments", "*.toml"), ("paper_figs", "*.gp"), ("experiments/page", "page.*")):
+    for folder, pattern in (("experiments", "*.toml"), ("paper_figs", "*.gp"), ("experiments/page", "page.*"), ("experiments/nist", "*.dat")):
         (root / folder).mkdir(parents=True, exist_ok=True)
         for file in (checkout / folder).glob(pattern):
             shutil.copy(file, root / folder)

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <utility>
 #include <unsupported/Eigen/NonLinearOptimization>
 
 namespace radiafit::fits {
@@ -75,47 +74,6 @@ CurveEnd by_tiny_solver(const CurveProblem& problem, int iterations) {
     return {{x.data(), x.data() + x.size()}, summary.status != ceres::TinySolver<TinyCurve>::HIT_MAX_ITERATIONS,
             summary.iterations};
 }
-
-template <int parameters>
-class TinyOfSize final : public TinyCurveSolver {
-public:
-    explicit TinyOfSize(const TinyCurveOptions& options) {
-        solver_.options.max_num_iterations = options.iterations;
-        solver_.options.parameter_tolerance = options.step;
-        solver_.options.gradient_tolerance = solver_.options.function_tolerance = 0;
-        solver_.options.cost_threshold = 0;
-    }
-    void solve(int residuals, double* p, const void* of,
-               void (*evaluate)(const void*, const double*, double*, double*)) override {
-        function_.residuals = residuals;
-        function_.of = of;
-        function_.evaluate = evaluate;
-        function_.rows.resize(residuals, parameters);
-        Eigen::Matrix<double, parameters, 1> x;
-        std::copy_n(p, parameters, x.data());
-        solver_.Solve(function_, &x);
-        std::copy_n(x.data(), parameters, p);
-    }
-
-private:
-    struct Function {
-        using Scalar = double;
-        enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = parameters };
-        int residuals = 0;
-        const void* of = nullptr;
-        void (*evaluate)(const void*, const double*, double*, double*) = nullptr;
-        mutable Eigen::Matrix<double, Eigen::Dynamic, parameters, parameters == 1 ? Eigen::ColMajor : Eigen::RowMajor> rows;
-
-        int NumResiduals() const { return residuals; }
-        bool operator()(const double* p, double* r, double* jacobian) const {
-            evaluate(of, p, r, jacobian ? rows.data() : nullptr);
-            if (jacobian) Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, parameters>>(jacobian, residuals, parameters) = rows;
-            return true;
-        }
-    };
-    Function function_;
-    ceres::TinySolver<Function> solver_;
-};
 
 struct EigenCurve {
     using Scalar = double;
@@ -214,18 +172,9 @@ CurveEnd by_nlopt(const CurveProblem& problem, int iterations, nlopt_algorithm a
 
 }  // namespace
 
-std::unique_ptr<TinyCurveSolver> tiny_curve_solver(int parameters, const TinyCurveOptions& options) {
-    std::unique_ptr<TinyCurveSolver> out;
-    const auto make = [&]<int... size>(std::integer_sequence<int, size...>) {
-        ((parameters == size + 1 ? void(out = std::make_unique<TinyOfSize<size + 1>>(options)) : void()), ...);
-    };
-    make(std::make_integer_sequence<int, 9>{});
-    return out;
-}
-
 const std::vector<CurveRival>& curve_rivals() {
     static const std::vector<CurveRival> all = {
-        {"Ceres", "Levenberg-Marquardt, QR", [](const auto& p, int n) { return by_ceres(p, n, [](auto&) {}); }},
+        {"Ceres", "Levenberg-Marquardt by QR", [](const auto& p, int n) { return by_ceres(p, n, [](auto&) {}); }},
         {"Ceres", "dogleg", [](const auto& p, int n) {
              return by_ceres(p, n, [](auto& o) { o.trust_region_strategy_type = ceres::DOGLEG; });
          }},
@@ -235,7 +184,7 @@ const std::vector<CurveRival>& curve_rivals() {
         {"Ceres TinySolver", "", by_tiny_solver},
         {"GSL", "Levenberg-Marquardt", [](const auto& p, int n) { return by_gsl(p, n, gsl_multifit_nlinear_trs_lm); }},
         {"GSL", "geodesic acceleration", [](const auto& p, int n) { return by_gsl(p, n, gsl_multifit_nlinear_trs_lmaccel); }},
-        {"Eigen", "MINPACK's Levenberg-Marquardt", by_eigen},
+        {"Eigen", "Levenberg-Marquardt of MINPACK", by_eigen},
         {"NLopt", "L-BFGS", [](const auto& p, int n) { return by_nlopt(p, n, NLOPT_LD_LBFGS); }},
         {"NLopt", "SLSQP", [](const auto& p, int n) { return by_nlopt(p, n, NLOPT_LD_SLSQP); }},
     };

@@ -43,7 +43,7 @@ struct TinyCurveOptions {
     int iterations = 100;
     double step = 1e-8;  ///< ends where a step is shorter than so much of the parameters
 };
-/// parameters: 1 to 9.
+/// parameters: 3, 5, 6 or 9.
 std::unique_ptr<TinyCurveSolver> tiny_curve_solver(int parameters, const TinyCurveOptions& options);
 
 }  // namespace radiafit::fits
