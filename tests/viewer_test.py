@@ -120,13 +120,14 @@ class Viewer(ProgramTest):
 
     def test_light_basis(self):
         data = self.check_family("ornament", "--model", "lightbasis", "--numbers", "9", times=4)  # for outlines, as above
+        self.assertIn("half_length", data["model"]["uniforms"])
         for lamp in ("0.3,0.2,0.9", "0.2,-1,0.1"):  # amid the photographs', and beyond them
             self.check_agreement(data, "--light", lamp, fragment=f"&lamp={lamp}&intensity=1", views=2, times=4)
         self.check_enhanced(data, "0.3,0.2,0.9", times=4)
 
     def test_light_basis_of_lamps_and_views(self):
         """Of a mesh and upon a model; and of a grid, where the first view's camera is beyond those that were fitted."""
-        data = self.check_family("ornament", "--model", "lightbasis", "--numbers", "6", "--underneath", "lafortune", views=2, times=4)
+        self.check_family("ornament", "--model", "lightbasis", "--numbers", "6", "--underneath", "lafortune", views=2, times=4)
         write_gloss(self.root / "gloss-images", 60, 40, 48)
         images = self.root / "gloss-images"
         self.good("import", "lights", "--images", images / "images", "--light-positions", images / "lamps.txt", "--camera-positions",

@@ -182,8 +182,8 @@ void thin(std::vector<uint32_t>& texels, size_t patterns, size_t most) {
 }
 
 /// What learning goes by, after thinning: of the whole surface and of its blocks each about so many ways to be lit.
-std::vector<uint32_t> thinned(BasisTexels& drawn, const LearnedTexels& texels) {
-    constexpr size_t most = 2000, least_of_block = 60;
+std::vector<uint32_t> thinned(BasisTexels& drawn, const LearnedTexels& texels, size_t most) {
+    constexpr size_t least_of_block = 60;
     thin(drawn.everywhere, texels.patterns(drawn.everywhere), most);
     std::vector<uint32_t> all = drawn.everywhere;
     for (auto& block : drawn.of_block) {
@@ -224,7 +224,9 @@ LightBasis learn_light_basis(const Dataset& dataset, const Atlas& atlas, const s
     basis.half_length = with_half ? 1.0f : 0.0f;  // until more is known
     const TexelLightReader reader(dataset, atlas, views, basis, underneath);
     LearnedTexels texels(atlas, source, reader, drawn.mask(atlas));
-    const std::vector<uint32_t> used = thinned(drawn, texels);
+    constexpr size_t most_ways = 2000,
+                     most_ways_with_half = 1000;  // there are more reference lamps, and they cost more
+    std::vector<uint32_t> used = thinned(drawn, texels, most_ways);
     constexpr size_t for_kernel = 500, for_kernel_alone = 60;  // where each needs a decomposition of its own
     const auto some_texels = [&] {
         return some_values(texels, drawn.everywhere,
@@ -235,6 +237,7 @@ LightBasis learn_light_basis(const Dataset& dataset, const Atlas& atlas, const s
     basis.half_length = float(kernel.half_length);
     basis.half_share = float(kernel.half_share);
     if (with_half && !basis.by_half()) texels.leave_out_half();
+    if (basis.by_half()) used = thinned(drawn, texels, most_ways_with_half);
     basis.smoothing = float(kernel.smoothing);
     const std::vector<LampValues> some = some_texels();
     basis.lamps = reference_lamps(dataset, views, basis, kernel, some);
