@@ -1,8 +1,8 @@
-// Colours by lamp direction on a learned basis (src/fits/lightbasis/light_basis.h): sums of kernels at reference lamps. HALF: and
-// half vectors.
+// Colours by lamp direction on a learned basis (src/fits/lightbasis/light_basis.h): sums of kernels at reference lamps; with
+// HALF by half vectors, too.
 // Maps: from 0 on Z_MAPS of z; at BLOCK_MAP the number of the texel's block of the surface; behind it what is known. Tables: the
-// reference lamps, with HALF each followed by its half vector; for every block and lamp what its kernel is multiplied by in the mean and the functions, the three channels
-// of each. The first of ALL_TERMS terms are the mean and the functions. The includer has
+// reference lamps, with HALF each followed by its half vector; for every block and lamp what its kernel is multiplied by in the
+// mean and the functions, the three channels of each. The first of ALL_TERMS terms are the mean and the functions. The includer has
 //     vec3 light_of_basis(Site site, vec3 position, vec3 to_lamp, vec3 value, float darker)
 //         per irradiance, of a value on the curve
 uniform sampler2D basis_table, lamp_table;

@@ -224,8 +224,7 @@ LightBasis learn_light_basis(const Dataset& dataset, const Atlas& atlas, const s
     basis.half_length = with_half ? 1.0f : 0.0f;  // until more is known
     const TexelLightReader reader(dataset, atlas, views, basis, underneath);
     LearnedTexels texels(atlas, source, reader, drawn.mask(atlas));
-    constexpr size_t most_ways = 2000,
-                     most_ways_with_half = 1000;  // there are more reference lamps, and they cost more
+    constexpr size_t most_ways = 2000, most_ways_with_half = 1000;  // these have more reference lamps, and cost more
     std::vector<uint32_t> used = thinned(drawn, texels, most_ways);
     constexpr size_t for_kernel = 500, for_kernel_alone = 60;  // where each needs a decomposition of its own
     const auto some_texels = [&] {
