@@ -31,6 +31,33 @@ def write_dome(out, width, height, lamps):
     (out / "lights.lp").write_text("\n".join([str(lamps), *lights]) + "\n")
 
 
+def write_gloss(out, width, height, count):
+    """images, lamps.txt and eyes.txt of a glossy sheet (Blinn), in each image from another place under a lamp at another. The first is
+    taken from lower than all others."""
+    (out / "images").mkdir(parents=True)
+    lamps, eyes = [], []
+    unit = lambda v: tuple(x / math.sqrt(sum(x * x for x in v)) for x in v)
+    for i in range(count):
+        place = lambda turn, tilt: tuple(4 * width * x for x in (math.sin(tilt) * math.cos(turn), math.sin(tilt) * math.sin(turn), math.cos(tilt)))
+        lamps.append(place(2.4 * i, 0.9 * math.sqrt((i + 0.5) / count)))
+        eyes.append(place(1.1 + 1.9 * i, 0.8 * math.sqrt((7 * i % count + 0.5) / count) if i else 1.1))
+        rows = bytearray()
+        for y in range(height):
+            for x in range(width):
+                at = (x + 0.5 - width / 2, height / 2 - y - 0.5, 0)
+                to_lamp, to_eye = (unit([a - b for a, b in zip(place, at)]) for place in (lamps[-1], eyes[-1]))
+                n = unit((0.2 * math.sin(x / 5), 0.2 * math.sin(y / 7), 1.0))
+                half = unit([a + b for a, b in zip(to_lamp, to_eye)])
+                facing = max(0, sum(a * b for a, b in zip(n, to_lamp)))
+                light = 0.3 * max(0, sum(a * b for a, b in zip(n, half))) ** 20
+                paint = (0.4, 0.3 + 0.1 * math.sin((x + y) / 9), 0.2)
+                rows += bytes(min(255, round(255 * srgb(0.02 + albedo * facing + light))) for albedo in paint)
+        write_png(out / "images" / f"{i:02}.png", width, height, bytes(rows))
+    for name, places in (("lamps", lamps), ("eyes", eyes)):
+        (out / f"{name}.txt").write_text("".join("{} {} {}\n".format(*place) for place in places))
+    (out / "intensities.txt").write_text("{0} {0} {0}\n".format((4 * width) ** 2))
+
+
 def srgb(linear):
     """IEC 61966-2-1."""
     return 12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1 / 2.4) - 0.055

@@ -10,7 +10,7 @@ import unittest
 
 from browser import Browser, chromium
 from cli_fixture import ProgramTest, read_png, take_arguments
-from exchange_fixture import write_dome
+from exchange_fixture import write_dome, write_gloss
 
 AGREEMENT = 38  # dB: maps at 50 dB and more, and edges that a graphics chip's rasterizer decides otherwise
 
@@ -120,9 +120,21 @@ class Viewer(ProgramTest):
 
     def test_light_basis(self):
         data = self.check_family("ornament", "--model", "lightbasis", "--numbers", "9", times=4)  # for outlines, as above
+        self.assertIn("half_length", data["model"]["uniforms"])
         for lamp in ("0.3,0.2,0.9", "0.2,-1,0.1"):  # amid the photographs', and beyond them
             self.check_agreement(data, "--light", lamp, fragment=f"&lamp={lamp}&intensity=1", views=2, times=4)
         self.check_enhanced(data, "0.3,0.2,0.9", times=4)
+
+    def test_light_basis_of_lamps_and_views(self):
+        """Of a mesh and upon a model; and of a grid, where the first view's camera is beyond those that were fitted."""
+        self.check_family("ornament", "--model", "lightbasis", "--numbers", "6", "--underneath", "lafortune", views=2, times=4)
+        write_gloss(self.root / "gloss-images", 60, 40, 48)
+        images = self.root / "gloss-images"
+        self.good("import", "lights", "--images", images / "images", "--light-positions", images / "lamps.txt", "--camera-positions",
+                  images / "eyes.txt", "--intensities", images / "intensities.txt", "--sample-width", "60", "--normals", "flat", "-o", "gloss")
+        data = self.check_family("gloss", "--model", "lightbasis", "--numbers", "9", views=6)
+        self.assertIn("half_length", data["model"]["uniforms"])
+        self.check_agreement(data, "--light", "0.3,0.2,0.9", fragment="&lamp=0.3,0.2,0.9&intensity=1", views=2)
 
     RELIEF = (96, 72)
 

@@ -1,12 +1,12 @@
 #version 450 core
 // variants: LANES=8,64 RANK=1,10,28 LIGHT=0
-// variants: LANES=8,32 RANK=1,9,27,84 LIGHT=1 TERMS=49
+// variants: LANES=8,32 RANK=1,9,27,84 LIGHT=1 TERMS=49 HALF=-,1
 // The normal equations of a learned basis over directions, a texel for each work group: the z of least
 //     sum over samples of w |y - sum over k of z_k phi_k|^2 + noise |z|^2,    phi_k = u_k . b,  y = colour - m . b.
-// By view direction (LIGHT 0) a sample has one row phi, and each channel a z of its own; by lamp direction (LIGHT 1) it has
-// three rows, a channel's each, and they share z. Samples come LANES at a time: an invocation finds phi and y of one, then
-// adds to its own entries of the sums over all of them. The matrix has the right-hand sides as its last rows, so that
-// factoring it solves for them, too.
+// By view direction (LIGHT 0) a sample has one row phi, and each channel a z of its own; by lamp direction (LIGHT 1), or with half
+// vectors (HALF), it has three rows, a channel's each, and they share z. Samples come LANES at a time: an
+// invocation finds phi and y of one, then adds to its own entries of the sums over all of them. The matrix has the right-hand
+// sides as its last rows, so that factoring it solves for them, too.
 #include "model/prelude.glsl"
 #if LIGHT
 #include "model/light_kernel.glsl"
@@ -30,6 +30,11 @@ layout(std430) writeonly buffer Solutions { float solutions[]; };  // [texel] z:
 layout(std430) readonly buffer Lamps { float lamps[]; };           // [TERMS] directions at which the kernels are
 uniform float length_between;                                      // of the kernels
 #endif
+#ifdef HALF
+layout(std430) readonly buffer Halves { float halves[]; };           // [sample] half vectors
+layout(std430) readonly buffer LampHalves { float lamp_halves[]; };  // [TERMS]
+uniform float half_length, half_share;                               // of the kernels
+#endif
 uniform int texel_count;
 uniform float noise;
 shared float columns[LANES][COLUMNS];  // phi, y
@@ -42,23 +47,34 @@ int at(int row, int column) { return row * (row + 1) / 2 + column; }
 vec3 three(uint first) { return vec3(samples[first], samples[first + 1u], samples[first + 2u]); }
 
 // b
-void find_terms(vec3 direction, out float b[TERMS]) {
+void find_terms(uint s, out float b[TERMS]) {
+    vec3 direction = three(6u * s);
+#ifdef HALF
+    vec3 between = vec3(halves[3u * s], halves[3u * s + 1u], halves[3u * s + 2u]);
+#endif
 #if LIGHT
-    for (int i = 0; i < TERMS; ++i)
-        b[i] = light_kernel(vec3(lamps[3 * i], lamps[3 * i + 1], lamps[3 * i + 2]), direction, length_between);
+    for (int i = 0; i < TERMS; ++i) {
+        vec3 lamp = vec3(lamps[3 * i], lamps[3 * i + 1], lamps[3 * i + 2]);
+#ifdef HALF
+        vec3 of_lamp = vec3(lamp_halves[3 * i], lamp_halves[3 * i + 1], lamp_halves[3 * i + 2]);
+        b[i] = light_pair_kernel(lamp, of_lamp, direction, between, length_between, half_length, half_share);
+#else
+        b[i] = light_kernel(lamp, direction, length_between);
+#endif
+    }
 #else
     b = view_terms(direction).x;
 #endif
 }
 
-void find_columns(uint block_first, uint sample_first, int row) {
-    vec3 direction = three(sample_first), colour = three(sample_first + 3u);
+void find_columns(uint block_first, uint s, int row) {
+    vec3 colour = three(6u * s + 3u);
     float b[TERMS];
-    find_terms(direction, b);
+    find_terms(s, b);
 #if LIGHT
     weights[lane()] = 1.0;
 #else
-    weights[lane()] = view_weight(direction);
+    weights[lane()] = view_weight(three(6u * s));
 #endif
     uint first = block_first + uint(row * TERMS * COLUMNS);
     for (int column = 0; column < COLUMNS; ++column) {
@@ -72,7 +88,7 @@ void find_columns(uint block_first, uint sample_first, int row) {
 void main() {
     uint texel = gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x;
     if (texel >= uint(texel_count)) return;
-    uint first = 6u * texels[texel].x, count = texels[texel].y, block_first = texels[texel].z * uint(ROWS * TERMS * COLUMNS);
+    uint first = texels[texel].x, count = texels[texel].y, block_first = texels[texel].z * uint(ROWS * TERMS * COLUMNS);
     ivec2 places[ENTRIES_EACH];
     float sums[ENTRIES_EACH];
     for (int i = 0; i < ENTRIES_EACH; ++i) {
@@ -85,7 +101,7 @@ void main() {
         int here = int(min(uint(LANES), count - begin));
         for (int row = 0; row < ROWS; ++row) {
             barrier();
-            if (lane() < here) find_columns(block_first, first + 6u * (begin + uint(lane())), row);
+            if (lane() < here) find_columns(block_first, first + begin + uint(lane()), row);
             barrier();
             for (int s = 0; s < here; ++s)
                 for (int i = 0; i < ENTRIES_EACH; ++i)
@@ -125,8 +141,8 @@ void main() {
     weights[lane()] = 0.0;  // from here on the invocations' parts of the error
     for (uint s = uint(lane()); s < count; s += uint(LANES)) {
         float b[TERMS];
-        find_terms(three(first + 6u * s), b);
-        vec3 r = three(first + 6u * s + 3u);
+        find_terms(first + s, b);
+        vec3 r = three(6u * (first + s) + 3u);
         for (int i = 0; i < 3 * TERMS; ++i) r[i % 3] -= colours[i] * b[i / 3];
         weights[lane()] += 0.5 * dot(r, r);
     }

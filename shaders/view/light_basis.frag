@@ -1,6 +1,7 @@
 #version 300 es
 // A light basis by itself: view/light_basis.glsl.
 // variants: RANK=1,9,27 LAMPS=49 CURVE=0,1,2 GRID=-,1 NORMAL_MAP=-,7 MAPS=30
+// variants: RANK=9 LAMPS=49 HALF=1 CURVE=2 GRID=-,1 NORMAL_MAP=-,7 MAPS=30
 // variants: RANK=9 LAMPS=49 CURVE=0 GRID=-,1 NORMAL_MAP=-,7 FIT_NORMALS=8 MAPS=30
 precision highp float;
 precision highp int;

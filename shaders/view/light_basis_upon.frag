@@ -3,6 +3,7 @@
 // view/safe_texel.glsl. Both fade far from the images that were fitted.
 // variants: MODEL=* RANK=9 LAMPS=49 CURVE=0,1,2 GRID=-,1 NORMAL_MAP=-,33 MAPS=34
 // variants: MODEL=lambert RANK=9 LAMPS=49 CURVE=2 GRID=-,1 NORMAL_MAP=-,32 FIT_NORMALS=33 MAPS=34
+// variants: MODEL=lafortune RANK=9 LAMPS=49 HALF=1 CURVE=2 GRID=-,1 NORMAL_MAP=-,33 MAPS=34
 precision highp float;
 precision highp int;
 precision highp sampler2D;

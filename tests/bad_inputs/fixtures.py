@@ -288,7 +288,7 @@ def write_unmade(out):
 # A fixture that a fit was made from must stand beside it.
 NEEDS = {
     CONFIGS: ["paper_figs"],
-    "fit": ["tiny"], "wholefit": ["whole"], "flatfit": ["flat"], "orbfit": ["orb"], "stopped.parts": ["tiny"], "records": ["tiny"], "texrecords": ["flat"],
+    "fit": ["tiny"], "wholefit": ["whole"], "flatfit": ["flat"], "lightfit": ["flat"], "orbfit": ["orb"], "stopped.parts": ["tiny"], "records": ["tiny"], "texrecords": ["flat"],
     "made": ["tiny", "whole", "flat"],
 }  # fmt: skip
 
@@ -312,6 +312,7 @@ def make(run, root, source):
     run("fit", "tiny", "--iterations", "1", "--solver", "two-step", "--records", "records", "-o", "records-fit")
     shutil.rmtree(root / "records-fit")
     run("fit", "flat", "--model", "lafortune", "--solver", "two-step", "--records", "texrecords", "-o", "flatfit")
+    run("fit", "flat", "--model", "lightbasis", "--numbers", "3", "-o", "lightfit")
     run("fit", "orb", "--model", "lambert", "-o", "orbfit")
     write_stopped(run, root / "stopped.parts")
     for name, terms in (("shard", 1), ("other-shard", 2)):

@@ -2,7 +2,7 @@
 from bad_inputs.damage import GONE, append, copied, cut, field, folder, patch, remove, replace, signed_field, write
 
 rows = []
-fit, flat = "fit/fit.json", "flatfit/fit.json"
+fit, flat, light = "fit/fit.json", "flatfit/fit.json", "lightfit/fit.json"
 again = "restore it or fit again"
 
 # Every field that is read: gone, or of another type.
@@ -21,6 +21,11 @@ for place, value in (("lfm.terms", "two"), ("lfm.terms", None), ("lfm.terms", 0)
 for place, value in (("model", "phong"), ("reflectance.parameters[0]", "rho"), ("reflectance.mode", "old"),
                      ("reflectance.clip_above", 2), ("reflectance.shadow_below", -1), ("reflectance.mu", -1)):  # fmt: skip
     rows.append(("info flatfit", field(flat, place, value), 2, f"{flat}: ", again))
+for place in ("lightbasis.lamps", "lightbasis.length", "lightbasis.smoothing", "lightbasis.noise", "lightbasis.rank"):
+    rows.append(("info lightfit", field(light, place, GONE), 2, f"{light}: ", again))
+for value in (0, -1, "long", None, 0.5):  # the last without its half vectors
+    rows.append(("info lightfit", field(light, "lightbasis.half_length", value), 2, f"{light}: ", again))
+rows.append(("judge lightfit", None, 0, "PSNR"))
 for size in (0, 0.3, 0.7, -2):
     rows.append(("info fit", cut(fit, size), 2, f"{fit}: ", again))
 rows += [

@@ -227,8 +227,9 @@ function main(renderer) {
         const far = Math.max(outside.camera, outside.lamp);
         const what = outside.lamp > outside.camera ? "lamp" : "camera";
         const share = page.model.takes_light ? share_of(page, outside) : 1;
-        const left = page.model.fades ? `${Math.round(100 * share)} % of the fit, the rest is matt` : "as from the nearest fitted lamp";
-        const faded = share < 1 && (page.model.fades || what === "lamp") ? `; ${left}` : "";
+        const left = page.model.fades ? `${Math.round(100 * share)} % of the fit, the rest is matt` : `as from the nearest fitted ${what}`;
+        const turned = what === "lamp" || "half_length" in page.model.uniforms;  // of a light basis
+        const faded = share < 1 && (page.model.fades || turned) ? `; ${left}` : "";
         const words = [];
         if (far >= 1) words.push(`The ${what} is ${Math.round(far)}° outside the fitted photographs': extrapolated${faded}.`);
         if (state.pose && state.show === "fit" && state.layout === "alone" && state.known === "colour" && far < 1)

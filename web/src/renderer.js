@@ -75,7 +75,7 @@ export class Renderer {
         for (const [name, number] of Object.entries(page.model.whole_uniforms)) value(name, number);
         for (const name of ["eye", "lamp", "image_to_target"]) value(name, new THREE.Vector4());
         value("intensity", new THREE.Vector3(1, 1, 1));
-        for (const name of ["lamp_seen", "lamp_inside"]) value(name, new THREE.Vector3(0, 0, 1));
+        for (const name of ["lamp_seen", "lamp_inside", "camera_seen", "camera_inside"]) value(name, new THREE.Vector3(0, 0, 1));
         value("target_size", new THREE.Vector2());
         value("clip_from_world", new THREE.Matrix4());
         value("enhancement", new THREE.Vector3(1, 0, 1));
@@ -145,10 +145,13 @@ export class Renderer {
     }
 
     /** What is to be shown: camera, lamp, terms. Counts as new whatever was drawn before. */
-    set_scene({ pose, direction, camera, lamp, lamp_seen, lamp_inside, share, enhancement, terms, shown, most_shown }) {
+    set_scene({ pose, direction, camera, lamp, lamp_seen, lamp_inside, camera_seen, camera_inside, share, enhancement, terms, shown,
+        most_shown }) {
         const u = this.uniforms;
         this.view = { pose, camera };
         u.eye.value = direction ? with_place(direction, false) : with_place(pose.eye, true);
+        u.camera_seen.value.set(...camera_seen);
+        u.camera_inside.value.set(...camera_inside);
         if (lamp) {
             u.lamp.value = with_place(lamp.place, lamp.near);
             u.intensity.value.set(...lamp.intensity);

@@ -23,15 +23,18 @@ export function lamp_direction(page, lamp) {
     return lamp.near ? normalized(add(lamp.place, page.surface.centre, -1)) : lamp.place;
 }
 
+/** The same to the camera. */
+export function camera_direction(page, state) {
+    const { camera } = page.views[state.view];
+    return camera.direction ?? normalized(add((state.pose ?? pose_of(camera)).eye, page.surface.centre, -1));
+}
+
 /** How far camera and lamp are, in degrees, from the directions of the photographs that were fitted. */
 export function outside_of(page, state) {
-    const { directions, surface } = page;
-    const view = page.views[state.view];
-    const pose = state.pose ?? pose_of(view.camera);
-    const to_camera = view.camera.direction ?? normalized(add(pose.eye, surface.centre, -1));
+    const { directions } = page;
     const lamp = page.model.takes_light ? lamp_of(page, state) : null;
     return {
-        camera: degrees * angle_outside(directions.cameras, to_camera),
+        camera: degrees * angle_outside(directions.cameras, camera_direction(page, state)),
         lamp: lamp ? degrees * angle_outside(directions.lamps, lamp_direction(page, lamp)) : 0,
     };
 }
@@ -52,7 +55,7 @@ export function enhancement_of({ model }, { enhance }) {
 export function scene_of(page, state) {
     const view = page.views[state.view];
     const lamp = page.model.takes_light ? lamp_of(page, state) : null;
-    const seen = lamp && lamp_direction(page, lamp);
+    const seen = lamp && lamp_direction(page, lamp), camera_seen = camera_direction(page, state);
     const shown = meanings.indexOf(state.known);
     return {
         pose: state.pose ?? pose_of(view.camera),
@@ -61,6 +64,8 @@ export function scene_of(page, state) {
         lamp,
         lamp_seen: seen,
         lamp_inside: seen && nearest_inside(page.directions.lamps, seen),
+        camera_seen,
+        camera_inside: nearest_inside(page.directions.cameras, camera_seen),
         share: page.model.takes_light ? share_of(page, outside_of(page, state)) : 1,
         enhancement: enhancement_of(page, state),
         terms: state.terms,

@@ -22,12 +22,17 @@ struct DeviceBasis {
     /// this length at these lamps in place of polynomials. `numbers` are what they are multiplied by.
     std::span<const Vec3f> lamps = {};
     float length = 0;
+    /// With half vectors: those of the lamps, and the kernels' length over them and share; else none.
+    std::span<const Vec3f> halves = {};
+    float half_length = 0, half_share = 0;
     bool by_light() const { return !lamps.empty(); }
+    bool by_half() const { return !halves.empty(); }
 };
 
 struct DeviceTexel {
     uint32_t number, block;
     std::vector<SeenColour> samples;
+    std::vector<Vec3f> halves = {};  ///< [samples] half vectors, where the basis has some
 };
 
 /// Texels come in units, some of which are solved at a time: samples_of(unit) says how many samples and texels one has,

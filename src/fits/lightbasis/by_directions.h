@@ -5,18 +5,18 @@
 #include <unordered_map>
 #include <vector>
 
-#include "base/linear.h"
-#include "base/rings.h"
+#include "lightbasis/light_basis.h"
 
 namespace radiafit::fits {
 
-/// What follows from the directions that texels are lit from, T(directions), held once for all texels that have the
-/// same. Thread-safe.
+/// What follows from the directions that texels are lit and seen from, T(directions), held once for all texels that
+/// have the same. Thread-safe.
 template <class T>
 class ByDirections {
 public:
-    std::shared_ptr<T> of(const std::vector<Vec3f>& directions) {
-        const std::string key(reinterpret_cast<const char*>(directions.data()), directions.size() * sizeof(Vec3f));
+    std::shared_ptr<T> of(const std::vector<LampAndHalf>& directions) {
+        const std::string key(reinterpret_cast<const char*>(directions.data()),
+                              directions.size() * sizeof(LampAndHalf));
         const std::scoped_lock lock(mutex_);
         std::shared_ptr<T>& known = known_[key];
         if (!known) known = std::make_shared<T>(directions);

@@ -8,10 +8,8 @@
 
 #include "base/parallel.h"
 #include "basis/coefficient_prior.h"
-#include "dataset/view_directions.h"
-#include "geometry/direction_hull.h"
 #include "lightbasis/by_directions.h"
-#include "lightbasis/choose_kernel.h"
+#include "lightbasis/reference_lamps.h"
 #include "viewbasis/learn_view_basis.h"
 
 namespace radiafit::fits {
@@ -23,10 +21,10 @@ using Sums = Moments<dynamic, 1>;
 
 constexpr size_t texels_at_once = 512;  // whose sums are made together: those that are lit alike share a decomposition
 
-/// From which directions texels are lit.
+/// From which directions texels are lit and seen.
 struct LitFrom {
-    explicit LitFrom(const std::vector<Vec3f>& from) : directions(from) {}
-    std::vector<Vec3f> directions;
+    explicit LitFrom(const std::vector<LampAndHalf>& from) : directions(from) {}
+    std::vector<LampAndHalf> directions;
     Eigen::MatrixXf weights;  ///< [reference lamps][samples] of values under these, once they are known
 };
 
@@ -43,6 +41,7 @@ public:
         for (uint32_t texel = 0; texel < atlas.texel_count(); ++texel)
             if (wanted[texel]) place_.emplace(texel, place_.size());
         texels_.resize(place_.size());
+        ByDirections<LitFrom> known;
         parallel_for(source.block_count(), 1, [&](size_t block, int) {
             const uint32_t begin = uint32_t(block) * TexelSource::block,
                            end = std::min(begin + TexelSource::block, source.texel_count());
@@ -56,23 +55,34 @@ public:
                 if (lights.size() < 3) continue;
                 const Eigen::Map<const Eigen::Matrix3Xf> values(lights.values.data()->data(), 3,
                                                                 Eigen::Index(lights.size()));
-                texels_[place_.at(texel)] = {known_.of(lights.directions), values.transpose()};
+                texels_[place_.at(texel)] = {known.of(lights.directions), values.transpose()};
             }
         });
+    }
+    /// Of texels that were read with half vectors, which make no difference.
+    void leave_out_half() {
+        ByDirections<LitFrom> known;
+        for (LearnedTexel& texel : texels_) {
+            if (!texel.from) continue;
+            std::vector<LampAndHalf> directions = texel.from->directions;
+            for (LampAndHalf& at : directions) at = {at.lamp};
+            texel.from = known.of(directions);
+        }
     }
     const LearnedTexel& operator[](uint32_t texel) const { return texels_[place_.at(texel)]; }
 
     /// Of these texels, for these reference lamps.
-    void find_weights(const std::vector<uint32_t>& texels, const std::vector<Vec3f>& lamps, double length) {
+    void find_weights(const std::vector<uint32_t>& texels, const std::vector<LampAndHalf>& lamps,
+                      const LightKernel<double>& kernel) {
         const std::unordered_set<LitFrom*> distinct = ways(texels);
         const std::vector<LitFrom*> all(distinct.begin(), distinct.end());
-        const Eigen::MatrixXd weights = lamp_weights(lamps, length, sample_smoothing);
+        const Eigen::MatrixXd weights = lamp_weights(lamps, kernel, sample_smoothing);
         parallel_for(all.size(), 1, [&](size_t i, int) {
             LitFrom& from = *all[i];
             Eigen::MatrixXd kernels(weights.rows(), Eigen::Index(from.directions.size()));
             for (Eigen::Index k = 0; k < kernels.cols(); ++k)
                 for (Eigen::Index j = 0; j < kernels.rows(); ++j)
-                    kernels(j, k) = light_kernel(lamps[size_t(j)], from.directions[size_t(k)], length);
+                    kernels(j, k) = kernel(lamps[size_t(j)], from.directions[size_t(k)]);
             from.weights = (weights * kernels).cast<float>();
         });
     }
@@ -89,7 +99,6 @@ private:
 
     std::unordered_map<uint32_t, size_t> place_;  ///< in texels_
     std::vector<LearnedTexel> texels_;
-    ByDirections<LitFrom> known_;
 };
 
 /// At most `most` of the texels that have samples, evenly.
@@ -102,32 +111,9 @@ std::vector<LampValues> some_values(const LearnedTexels& all, const std::vector<
     return out;
 }
 
-/// The directions of the training lamps from the surface's middle; where each texel has a frame of its own, those that
-/// some texels see.
-std::vector<Vec3f> reference_lamps(const Dataset& dataset, const std::vector<uint32_t>& views, const LightBasis& basis,
-                                   const std::vector<LampValues>& texels) {
-    std::vector<Vec3d> all;
-    if (basis.frame) {
-        const Vec3d centre = surface_centre(dataset.mesh, dataset.grid);
-        for (const uint32_t v : views) {
-            const Vec3f direction = dataset.views[v].light->direction_from(centre).cast<float>();
-            all.push_back(basis.frame->to_local(direction).cast<double>());
-        }
-    } else {
-        constexpr size_t most = 2000;
-        for (const LampValues& texel : texels)
-            for (const Vec3f& direction : *texel.directions)
-                if (all.size() < most) all.push_back(direction.cast<double>());
-    }
-    if (all.empty()) return {Vec3f::UnitZ()};
-    std::vector<Vec3f> out;
-    const size_t count = std::min(all.size(), basis.frame ? size_t(most_reference_lamps) : size_t(48));
-    for (const size_t i : spread_over(all, count)) out.push_back(all[i].cast<float>());
-    return out;
-}
-
 /// Before anything is known: the kernel under the reference lamps, channels mostly alike, as large as values vary.
-Prior vague_prior(const std::vector<Vec3f>& lamps, double length, const std::vector<LampValues>& texels) {
+Prior vague_prior(const std::vector<LampAndHalf>& lamps, const LightKernel<double>& kernel,
+                  const std::vector<LampValues>& texels) {
     constexpr double alike = 0.9;
     const auto n = Eigen::Index(lamps.size());
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -147,8 +133,7 @@ Prior vague_prior(const std::vector<Vec3f>& lamps, double length, const std::vec
                 for (Eigen::Index j = 0; j < n; ++j)
                     prior.covariance(c * n + i, d * n + j) =
                         (c == d ? 1 : alike) * variance *
-                        (light_kernel(lamps[size_t(i)], lamps[size_t(j)], length) / 3 +
-                         (i == j ? sample_smoothing : 0));
+                        (kernel(lamps[size_t(i)], lamps[size_t(j)]) / 3 + (i == j ? sample_smoothing : 0));
     }
     return prior;
 }
@@ -197,8 +182,8 @@ void thin(std::vector<uint32_t>& texels, size_t patterns, size_t most) {
 }
 
 /// What learning goes by, after thinning: of the whole surface and of its blocks each about so many ways to be lit.
-std::vector<uint32_t> thinned(BasisTexels& drawn, const LearnedTexels& texels) {
-    constexpr size_t most = 2000, least_of_block = 60;
+std::vector<uint32_t> thinned(BasisTexels& drawn, const LearnedTexels& texels, size_t most) {
+    constexpr size_t least_of_block = 60;
     thin(drawn.everywhere, texels.patterns(drawn.everywhere), most);
     std::vector<uint32_t> all = drawn.everywhere;
     for (auto& block : drawn.of_block) {
@@ -235,25 +220,35 @@ LightBasis learn_light_basis(const Dataset& dataset, const Atlas& atlas, const s
     basis.noise = float(options.noise);
     basis.curve = options.curve;
     set_frame_and_white(dataset, views, basis);
+    const bool with_half = cameras_move(dataset, views);
+    basis.half_length = with_half ? 1.0f : 0.0f;  // until more is known
     const TexelLightReader reader(dataset, atlas, views, basis, underneath);
     LearnedTexels texels(atlas, source, reader, drawn.mask(atlas));
-    const std::vector<uint32_t> used = thinned(drawn, texels);
+    constexpr size_t most_ways = 2000, most_ways_with_half = 1000;  // these have more reference lamps, and cost more
+    std::vector<uint32_t> used = thinned(drawn, texels, most_ways);
     constexpr size_t for_kernel = 500, for_kernel_alone = 60;  // where each needs a decomposition of its own
-    const auto some = some_values(texels, drawn.everywhere,
-                                  texels.patterns(drawn.everywhere) > for_kernel ? for_kernel_alone : for_kernel);
-    const ChosenKernel kernel = choose_kernel(some);
+    const auto some_texels = [&] {
+        return some_values(texels, drawn.everywhere,
+                           texels.patterns(drawn.everywhere) > for_kernel ? for_kernel_alone : for_kernel);
+    };
+    const ChosenKernel kernel = choose_kernel(some_texels(), with_half);
     basis.length = float(kernel.length);
+    basis.half_length = float(kernel.half_length);
+    basis.half_share = float(kernel.half_share);
+    if (with_half && !basis.by_half()) texels.leave_out_half();
+    if (basis.by_half()) used = thinned(drawn, texels, most_ways_with_half);
     basis.smoothing = float(kernel.smoothing);
-    basis.lamps = reference_lamps(dataset, views, basis, some);
+    const std::vector<LampValues> some = some_texels();
+    basis.lamps = reference_lamps(dataset, views, basis, kernel, some);
     basis.rank = options.rank;
     basis.numbers.resize(basis.cubes.size() * basis.block_size());
-    texels.find_weights(used, basis.lamps, kernel.length);
+    texels.find_weights(used, basis.lamps, kernel);
     const auto numbers = [&](size_t block) {
         return std::span(basis.numbers).subspan(block * basis.block_size(), basis.block_size());
     };
     const auto rows = Eigen::Index(basis.rows());
     learn_blocks(
-        drawn, vague_prior(basis.lamps, kernel.length, some), options.rounds, journal,
+        drawn, vague_prior(basis.lamps, kernel, some), options.rounds, journal,
         [&](const Prior& prior, const std::vector<uint32_t>& of) {
             const Expectation<dynamic, 1> expectation(prior, options.noise);
             return summed<dynamic, 1>(of, texels_at_once, rows, [&](std::span<const uint32_t> part, Sums& sums) {

@@ -28,7 +28,8 @@ int light_blocks(const Atlas& atlas);
 /// [texel_count()] The texels whose samples learning looks at.
 std::vector<bool> learned_from(const Dataset& dataset, const Atlas& atlas, const LightBasisOptions& options);
 
-/// As learn_view_basis(), from the texels' samples under lamps: `source` has those of these views.
+/// As learn_view_basis(), from the texels' samples under lamps: `source` has those of these views. Where their cameras
+/// move, too, its kernel may know half vectors (choose_kernel()).
 LightBasis learn_light_basis(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
                              const TexelSource& source, const LightBasisOptions& options,
                              const LightUnderneath& underneath = {}, Journal* journal = nullptr);

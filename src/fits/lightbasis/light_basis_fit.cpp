@@ -26,15 +26,30 @@ constexpr const char* basis_name = "basis.exr";
 
 std::array<int, 2> size_of(const LightBasis& basis) { return {1 + basis.rank, int(basis.rows() * basis.cubes.size())}; }
 
-std::vector<Vec3d> lamp_directions(const Dataset& dataset, const std::vector<uint32_t>& views, const Vec3d& from) {
-    std::vector<Vec3d> out;
-    for (const uint32_t v : views) out.push_back(dataset.views[v].light->direction_from(from));
-    return out;
-}
+/// What the middle of the surface sees of views.
+struct FromCentre {
+    Vec3d centre;
+    std::vector<Vec3d> lamps, cameras;
 
-Eigen::Matrix3f turn_between(const Vec3d& lamp, const std::vector<Vec3d>& lamps) {
-    return Eigen::Quaterniond::FromTwoVectors(lamp, nearest_inside(lamps, lamp)).toRotationMatrix().cast<float>();
-}
+    FromCentre(const Dataset& dataset, const std::vector<uint32_t>& views)
+        : centre(surface_centre(dataset.mesh, dataset.grid)) {
+        for (const uint32_t v : views) {
+            lamps.push_back(lamp_of(dataset.views[v]));
+            cameras.push_back(camera_of(dataset.views[v]));
+        }
+    }
+    Vec3d lamp_of(const View& view) const { return view.light->direction_from(centre); }
+    Vec3d camera_of(const View& view) const { return view.direction_to_camera(centre); }
+    InwardTurns turns(const View& view) const {
+        return {turn_between(lamp_of(view), lamps), turn_between(camera_of(view), cameras)};
+    }
+
+private:
+    static Eigen::Matrix3f turn_between(const Vec3d& direction, const std::vector<Vec3d>& others) {
+        const Vec3d inside = nearest_inside(others, direction);
+        return Eigen::Quaterniond::FromTwoVectors(direction, inside).toRotationMatrix().cast<float>();
+    }
+};
 
 /// What texels show under a view's lamp.
 class LitTexels {
@@ -45,8 +60,7 @@ public:
           atlas_(&atlas),
           texel_of_(atlas),
           functions_(fit.basis, double(fit.basis.smoothing)),
-          centre_(surface_centre(dataset.mesh, dataset.grid)),
-          lamps_(lamp_directions(dataset, training, centre_)) {
+          training_(dataset, training) {
         if (!fit.underneath) return;
         underneath_ = underneath_of(fit);
         safe_ = bounds.empty()
@@ -56,7 +70,7 @@ public:
 
     void shade(const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb) const {
         rgb.assign(3 * pixels.size(), 0.0f);
-        const Eigen::Matrix3f inward = turn_between(view.light->direction_from(centre_), lamps_);
+        const InwardTurns inward = training_.turns(view);
         const auto share = float(share_of_fit(view));
         Functions functions;
         for (size_t i = 0; i < pixels.size(); ++i)
@@ -66,33 +80,37 @@ public:
 
     double share_of_fit(const View& view) const {
         if (safe_) return safe_->share_of_fit(view);
-        return SafeRelighting::share_at(angle_outside(lamps_, view.light->direction_from(centre_)));
+        double outside = angle_outside(training_.lamps, training_.lamp_of(view));
+        if (fit_->basis.by_half())
+            outside = std::max(outside, angle_outside(training_.cameras, training_.camera_of(view)));
+        return SafeRelighting::share_at(outside);
     }
 
 private:
-    /// Mean and functions of a block at a direction; neighbouring pixels mostly have the same.
+    /// Mean and functions of a block under a lamp; neighbouring pixels mostly have the same.
     struct Functions {
         size_t block = SIZE_MAX;
-        Vec3f direction = Vec3f::Zero();
+        LampAndHalf lit = {Vec3f::Zero()};
         Eigen::Matrix<float, 3, Eigen::Dynamic> at;  ///< [channel][1 + rank]
     };
 
-    void evaluate(size_t block, const Vec3f& direction, Functions& functions) const {
-        if (functions.block == block && functions.direction == direction) return;
-        functions = {block, direction, functions_.at(block, direction)};
+    void evaluate(size_t block, const LampAndHalf& lit, Functions& functions) const {
+        if (functions.block == block && functions.lit == lit) return;
+        functions = {block, lit, functions_.at(block, lit)};
     }
 
     /// share: of the fit, which fades with the model underneath; a basis by itself does not.
-    Vec3f light_of(uint32_t texel, const View& view, const Eigen::Matrix3f& inward, float share,
+    Vec3f light_of(uint32_t texel, const View& view, const InwardTurns& inward, float share,
                    Functions& functions) const {
         const LightBasis& basis = fit_->basis;
         const Vec3f position = atlas_->position(texel), normal = atlas_->normal(texel);
         const Vec3f direction = view.light->direction_from(position.cast<double>()).cast<float>();
-        const Vec3f inside = inward * direction;
+        const Vec3f inside = inward.lamp * direction;
+        const Vec3f to_camera = view.direction_to_camera(position.cast<double>()).cast<float>();
         const Frame frame = basis.frame_of(normal);
         const Vec3f facing = basis.frame ? frame.normal : normal;
         if (!basis.frame && !(normal.dot(direction) > 0)) return Vec3f::Zero();
-        evaluate(basis.block_at(position), frame.to_local(inside), functions);
+        evaluate(basis.block_at(position), inward.turned(basis, frame, direction, to_camera), functions);
         const Eigen::Map<const Eigen::VectorXf> z(&fit_->parameters[size_t(texel) * fit_->numbers()], basis.rank);
         Vec3f value = functions.at.col(0) + functions.at.rightCols(basis.rank) * z;
         const float darker = direction == inside
@@ -111,17 +129,24 @@ private:
     const Atlas* atlas_;
     TexelOfPixel texel_of_;
     LampFunctions functions_;
-    Vec3d centre_;
-    std::vector<Vec3d> lamps_;  ///< directions of the training views
+    FromCentre training_;
     ReflectanceFit underneath_;
     std::unique_ptr<const SafeRelighting> safe_;  ///< of the model underneath; null: there is none
 };
 
+void take_half_vectors(const Json& own, LightBasis& b) {
+    b.half_length = own.at("half_length").get<float>();
+    b.half_share = own.at("half_share").get<float>();
+    const Json& halves = own.at("halves");
+    if (!(b.half_length > 0) || !(b.half_share > 0 && b.half_share <= 1) || halves.size() != b.lamps.size())
+        throw std::runtime_error("its half vectors are not as many as its lamps, or their length or share is none");
+    for (size_t i = 0; i < b.lamps.size(); ++i) b.lamps[i].half = vector_of(halves.at(i));
+}
+
 }  // namespace
 
-Eigen::Matrix3f turn_inside(const Dataset& dataset, const std::vector<uint32_t>& training, const View& view) {
-    const Vec3d centre = surface_centre(dataset.mesh, dataset.grid);
-    return turn_between(view.light->direction_from(centre), lamp_directions(dataset, training, centre));
+InwardTurns turns_inside(const Dataset& dataset, const std::vector<uint32_t>& training, const View& view) {
+    return FromCentre(dataset, training).turns(view);
 }
 
 std::string description_of(const LightBasis& basis) {
@@ -136,7 +161,13 @@ std::string description_of(const LightBasis& basis) {
         own["frame"] = {numbers_of(basis.frame->tangent), numbers_of(basis.frame->bitangent),
                         numbers_of(basis.frame->normal)};
     own["lamps"] = Json::array();
-    for (const Vec3f& lamp : basis.lamps) own["lamps"].push_back(numbers_of(lamp));
+    for (const LampAndHalf& at : basis.lamps) own["lamps"].push_back(numbers_of(at.lamp));
+    if (basis.by_half()) {
+        own["half_length"] = double(basis.half_length);
+        own["half_share"] = double(basis.half_share);
+        own["halves"] = Json::array();
+        for (const LampAndHalf& at : basis.lamps) own["halves"].push_back(numbers_of(at.half));
+    }
     own.update(parse_json<Json>(description_of(static_cast<const BasisBlocks&>(basis))));
     return json_text(own);
 }
@@ -151,9 +182,10 @@ LightBasis described_light_basis(const std::string& json) {
     b.curve = choose("curve", own.at("curve").get<std::string>(), value_curves());
     b.length = own.at("length").get<float>();
     b.smoothing = own.at("smoothing").get<float>();
-    for (const Json& lamp : own.at("lamps")) b.lamps.push_back(vector_of(lamp));
+    for (const Json& lamp : own.at("lamps")) b.lamps.push_back({vector_of(lamp)});
     if (b.lamps.empty() || b.lamps.size() > most_reference_lamps || !(b.length > 0) || !(b.smoothing > 0))
         throw std::runtime_error("its lamps are none or too many, or its length or smoothing is no number above 0");
+    if (own.contains("half_length")) take_half_vectors(own, b);
     b.white = vector_of(own.at("white"));
     b.up = vector_of(own.at("up"));
     if (own.contains("frame"))

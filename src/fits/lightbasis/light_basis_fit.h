@@ -47,13 +47,23 @@ StoredLightBasis read_light_basis(const std::filesystem::path& folder, const std
 /// brighter by more.
 inline constexpr float least_cosine = 0.05f, most_bright = 2;
 
-/// The turn that takes the direction to a view's lamp, as the surface's middle sees it, to the nearest one amid the
-/// training lamps'.
-Eigen::Matrix3f turn_inside(const Dataset& dataset, const std::vector<uint32_t>& training, const View& view);
+/// The turns that take the directions to a view's lamp and camera, as the surface's middle sees them, to the nearest
+/// ones amid the training views'.
+struct InwardTurns {
+    Eigen::Matrix3f lamp, camera;
+
+    /// What a basis has of a texel that sees lamp and camera in these directions (world).
+    LampAndHalf turned(const LightBasis& basis, const Frame& frame, const Vec3f& to_lamp,
+                       const Vec3f& to_camera) const {
+        return basis.directions_of(frame.to_local(lamp * to_lamp), frame.to_local(camera * to_camera));
+    }
+};
+InwardTurns turns_inside(const Dataset& dataset, const std::vector<uint32_t>& training, const View& view);
 
 /// Where a lamp's direction leaves the cone of the training lamps', the basis says nothing: all lamps' directions are
-/// turned back into it, as its centre sees them, and the surface darkens by the cosine with its normal. Upon a model
-/// the basis fades with that (SafeRelighting). `training`: the views that were fitted; bounds: [texels], of the model
+/// turned back into it, as the surface's centre sees them, and the surface darkens by the cosine with its normal. A
+/// basis that knows half vectors has the view turned back, too, into the cone of the training cameras. Upon a model the
+/// basis fades with that (SafeRelighting). `training`: the views that were fitted; bounds: [texels], of the model
 /// underneath, used instead of finding them. All but bounds must outlive the contestant.
 Contestant contestant_of(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
                          const std::vector<uint32_t>& training, std::vector<SafeRelighting::Bounds> bounds = {});

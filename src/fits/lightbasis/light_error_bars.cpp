@@ -17,7 +17,7 @@ LightErrorBars::LightErrorBars(const LightBasisFit& fit, const Atlas& atlas, con
     noise.resize(texels);
     deficient.assign(texels, uint32_t(rank));
     from_.resize(texels);
-    ByDirections<std::vector<Vec3f>> known;
+    ByDirections<std::vector<LampAndHalf>> known;
     std::vector<LightBasisSolver> solvers(size_t(thread_count()), LightBasisSolver{fit.basis});
     parallel_for(source.block_count(), 1, [&](size_t block, int worker) {
         LightBasisSolver& solver = solvers[size_t(worker)];
@@ -39,10 +39,10 @@ LightErrorBars::LightErrorBars(const LightBasisFit& fit, const Atlas& atlas, con
     });
 }
 
-Vec3f LightErrorBars::of_value(uint32_t texel, size_t block, const Vec3f& direction, LightBasisSolver& solver) const {
+Vec3f LightErrorBars::of_value(uint32_t texel, size_t block, const LampAndHalf& at, LightBasisSolver& solver) const {
     if (!from_[texel] || noise[texel] == 0) return Vec3f::Constant(INFINITY);
     solver.look_from(block, *from_[texel]);
-    return noise[texel] * solver.deviation_at(direction);
+    return noise[texel] * solver.deviation_at(at);
 }
 
 void write_error_bars(const std::filesystem::path& folder, const Atlas& atlas, const LightBasisFit& fit,

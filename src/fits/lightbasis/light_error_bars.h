@@ -22,12 +22,12 @@ public:
     std::vector<float> noise;         ///< [texels] s, on the curve
     std::vector<uint32_t> deficient;  ///< [texels] functions of which the samples say less than the prior
 
-    /// Standard deviations of the value at a lamp's direction (in the basis' frame), per channel, on the curve. solver:
-    /// the caller's, of this fit's basis, for what neighbouring texels have in common.
-    Vec3f of_value(uint32_t texel, size_t block, const Vec3f& direction, LightBasisSolver& solver) const;
+    /// Standard deviations of the value under a lamp (directions in the basis' frame), per channel, on the curve.
+    /// solver: the caller's, of this fit's basis, for what neighbouring texels have in common.
+    Vec3f of_value(uint32_t texel, size_t block, const LampAndHalf& at, LightBasisSolver& solver) const;
 
 private:
-    std::vector<std::shared_ptr<const std::vector<Vec3f>>> from_;  ///< [texels] the lamps' directions
+    std::vector<std::shared_ptr<const std::vector<LampAndHalf>>> from_;  ///< [texels] how its samples are lit and seen
 };
 
 /// As write_error_bars() of fit/texel_fit.h.

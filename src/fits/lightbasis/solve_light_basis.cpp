@@ -10,7 +10,7 @@ namespace radiafit::fits {
 LightBasisSolver::LightBasisSolver(const LightBasis& basis)
     : basis_(&basis), at_samples_(std::make_shared<const LampFunctions>(basis, sample_smoothing)) {}
 
-void LightBasisSolver::look_from(size_t block, const std::vector<Vec3f>& directions) {
+void LightBasisSolver::look_from(size_t block, const std::vector<LampAndHalf>& directions) {
     if (block == block_ && directions == directions_) return;
     accuracy_known_ = false;
     block_ = block;
@@ -61,8 +61,8 @@ double LightBasisSolver::determined() { return find_accuracy(), determined_; }
 uint32_t LightBasisSolver::deficient() { return find_accuracy(), deficient_; }
 const Eigen::VectorXf& LightBasisSolver::deviation() { return find_accuracy(), deviation_; }
 
-Vec3f LightBasisSolver::deviation_at(const Vec3f& direction) {
-    const auto functions = at_samples_->at(block_, direction);
+Vec3f LightBasisSolver::deviation_at(const LampAndHalf& at) {
+    const auto functions = at_samples_->at(block_, at);
     Vec3f out;
     for (int c = 0; c < 3; ++c)
         out[c] = float(

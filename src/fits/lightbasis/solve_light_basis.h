@@ -35,12 +35,12 @@ public:
     float solve(size_t block, const TexelLights& lights, std::span<float> z);
 
     /// Texels that are lit so, whatever their values: the functions' matrix Phi at the samples, and its factors.
-    void look_from(size_t block, const std::vector<Vec3f>& directions);
+    void look_from(size_t block, const std::vector<LampAndHalf>& directions);
     // Of texels that are lit as was last looked from, with A = Phi' Phi + noise I:
-    double determined();                         ///< trace(A^-1 Phi' Phi), by which samples determine z
-    uint32_t deficient();                        ///< directions of z that they determine less than the prior does
-    const Eigen::VectorXf& deviation();          ///< [rank] square roots of A^-1's diagonal
-    Vec3f deviation_at(const Vec3f& direction);  ///< the same of the three channels' values under a lamp
+    double determined();                        ///< trace(A^-1 Phi' Phi), by which samples determine z
+    uint32_t deficient();                       ///< directions of z that they determine less than the prior does
+    const Eigen::VectorXf& deviation();         ///< [rank] square roots of A^-1's diagonal
+    Vec3f deviation_at(const LampAndHalf& at);  ///< the same of the three channels' values under a lamp
 
 private:
     void find_accuracy();
@@ -48,7 +48,7 @@ private:
     const LightBasis* basis_;
     std::shared_ptr<const LampFunctions> at_samples_;
     size_t block_ = SIZE_MAX;
-    std::vector<Vec3f> directions_;
+    std::vector<LampAndHalf> directions_;
     Eigen::MatrixXf mean_, functions_;  ///< [3 samples], [3 samples][rank]: at the samples, channel by channel
     Eigen::MatrixXd matrix_;
     Eigen::LLT<Eigen::MatrixXd> cholesky_;

@@ -19,9 +19,11 @@ LightBasisSolution solve_on_device(const Atlas& atlas, const TexelSource& source
             reader.read(t, samples.of(t - begin), lights);
             out.samples[t] = uint32_t(lights.size());
             if (lights.size() == 0) continue;
-            DeviceTexel texel{t, uint32_t(basis.block_at(atlas.position(t))), {}};
+            DeviceTexel texel{t, uint32_t(basis.block_at(atlas.position(t))), {}, {}};
             for (size_t i = 0; i < lights.size(); ++i)
-                texel.samples.push_back({lights.directions[i], lights.values[i]});
+                texel.samples.push_back({lights.directions[i].lamp, lights.values[i]});
+            if (basis.by_half())
+                for (const LampAndHalf& at : lights.directions) texel.halves.push_back(at.half);
             texels.push_back(std::move(texel));
         }
     };
@@ -36,14 +38,19 @@ LightBasisSolution solve_on_device(const Atlas& atlas, const TexelSource& source
         const auto all = functions.block(b).reshaped<Eigen::RowMajor>();
         numbers.insert(numbers.end(), all.begin(), all.end());
     }
-    solve_on_device({numbers, basis.rank, basis.noise, basis.lamps, basis.length},
-                    {.count = source.block_count(),
-                     .size_of =
-                         [&](size_t) {
-                             return DeviceUnits::Size{samples_each, TexelSource::block};
-                         },
-                     .read = read,
-                     .take = take});
+    std::vector<Vec3f> lamps, halves;
+    for (const LampAndHalf& at : basis.lamps) lamps.push_back(at.lamp);
+    for (const LampAndHalf& at : basis.lamps)
+        if (basis.by_half()) halves.push_back(at.half);
+    solve_on_device(
+        {numbers, basis.rank, basis.noise, lamps, basis.length, halves, basis.half_length, basis.half_share},
+        {.count = source.block_count(),
+         .size_of =
+             [&](size_t) {
+                 return DeviceUnits::Size{samples_each, TexelSource::block};
+             },
+         .read = read,
+         .take = take});
     return out;
 }
 

@@ -25,7 +25,7 @@ void TexelLightReader::read(uint32_t texel, std::span<const TexelRadiance> sampl
         if (!basis_->frame && !(own_normal.dot(lit.u) > 0 && own_normal.dot(lit.v) > 0)) continue;
         Vec3f value = basis_->value_of(Vec3f(s.value[0], s.value[1], s.value[2]), lit.irradiance);
         if (underneath_) value -= basis_->value_of(underneath_(texel, view), lit.irradiance);
-        out.directions.push_back(lit.u);
+        out.directions.push_back(basis_->directions_of(lit.u, lit.v));
         out.values.push_back(value);
     }
 }
@@ -33,6 +33,14 @@ void TexelLightReader::read(uint32_t texel, std::span<const TexelRadiance> sampl
 bool lamps_have_all_colours(const Dataset& dataset) {
     return std::ranges::all_of(dataset.split(false),
                                [&](uint32_t v) { return dataset.views[v].light->intensity.minCoeff() > 0; });
+}
+
+bool cameras_move(const Dataset& dataset, const std::vector<uint32_t>& views) {
+    constexpr double least = 0.05;  // a chord of the unit sphere
+    const Vec3d centre = surface_centre(dataset.mesh, dataset.grid);
+    const auto direction_of = [&](uint32_t v) { return dataset.views[v].direction_to_camera(centre); };
+    return std::ranges::any_of(
+        views, [&](uint32_t v) { return (direction_of(v) - direction_of(views.front())).norm() > least; });
 }
 
 void set_frame_and_white(const Dataset& dataset, const std::vector<uint32_t>& views, LightBasis& basis) {

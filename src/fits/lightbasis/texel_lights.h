@@ -12,8 +12,8 @@ namespace radiafit::fits {
 
 /// A texel's samples. Most texels of a flat sample under distant lamps have the same directions.
 struct TexelLights {
-    std::vector<Vec3f> directions;  ///< to the lamps, in the basis' frame
-    std::vector<Vec3f> values;      ///< of the model
+    std::vector<LampAndHalf> directions;  ///< in the basis' frame
+    std::vector<Vec3f> values;            ///< of the model
     size_t size() const { return directions.size(); }
 };
 
@@ -22,8 +22,8 @@ using LightUnderneath = std::function<Vec3f(uint32_t texel, const View& view)>;
 
 class TexelLightReader {
 public:
-    /// Of samples of these views. The basis gives frame, curve and white. All but `underneath`
-    /// must outlive it.
+    /// Of samples of these views. The basis gives frame, directions, curve and white. All but `underneath` must
+    /// outlive it.
     TexelLightReader(const Dataset& dataset, const Atlas& atlas, const std::vector<uint32_t>& views,
                      const LightBasis& basis, LightUnderneath underneath = {});
     /// Over a grid all samples; of a mesh those that lamp and camera see from above the texel. Reuses out's storage.
@@ -40,6 +40,9 @@ private:
 
 /// Whether every training lamp sends light of all three colours, as channels that share their numbers need it.
 bool lamps_have_all_colours(const Dataset& dataset);
+
+/// Whether these views' cameras see the surface's middle from directions that differ, by some degrees at least.
+bool cameras_move(const Dataset& dataset, const std::vector<uint32_t>& views);
 
 /// For a basis yet to be learned: the frame, and the mean lamp.
 void set_frame_and_white(const Dataset& dataset, const std::vector<uint32_t>& views, LightBasis& basis);

@@ -13,7 +13,6 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/log.h"
-#include "base/output_lock.h"
 #include "batch/problem_files.h"
 #include "cli/commands.h"
 #include "fitting/problem_folder.h"
@@ -101,7 +100,6 @@ nlohmann::ordered_json status_json(const std::vector<size_t>& counts) {
 
 template <class real>
 void solve_files(const SolveCommand& command, const Invocation& invocation) {
-    const OutputLock lock(command.out);
     ProblemFolder folder(command.out, "radiafit-solution");
     const Record record = make_record(invocation.argc, invocation.argv);
     const batch::ModelText text = batch::read_model_file(command.model);
@@ -151,9 +149,10 @@ void add_solve(CommandLine& program, const Invocation& invocation) {
     auto o = std::make_shared<SolveCommand>();
     CommandLine& command = program.add_command(
         "solve", "fit a model of one's own to many small sets of samples, from arrays (docs/solve.md)");
-    command.add_text("problems", o->input, "folder of arrays (terms.npy, targets.npy, ...), or a table (CSV)").required();
-    command.add_text("--model", o->model, "text of the model").required();
-    command.add_text("-o,--output", o->out, "folder of the solution").required();
+    command.add_text("problems", o->input, "folder of arrays (terms.npy, targets.npy, ...), or a table (CSV)").required().input();
+    command.add_text("--model", o->model, "text of the model").required().input();
+    command.add_text("-o,--output", o->out, "folder of the solution").required().idle();
+    command.writes([=] { return std::vector{OutputTarget{.path = o->out}}; });
     command.add_words("--start", o->start, "where fits begin: NAME=VALUE, between commas");
     command.add_words("--lower", o->lower, "lowest values: NAME=VALUE, between commas");
     command.add_words("--upper", o->upper, "highest values: NAME=VALUE, between commas");

@@ -45,7 +45,9 @@ void require_lamps(const Fitted& fitted, const char* option) {
 std::string share_in_words(const Fitted& fitted, double share) {
     const auto* basis = std::get_if<FittedLightBasis>(&fitted.model);
     if (basis && !basis->fit.underneath)
-        return "shown as under the nearest lamp that was fitted, darkened by the cosine";
+        return basis->fit.basis.by_half() ? "shown as under the nearest lamp and to the nearest camera that were "
+                                            "fitted, darkened by the cosine"
+                                          : "shown as under the nearest lamp that was fitted, darkened by the cosine";
     return fmt::format("{:.0f} % of the fit is shown, the rest is Lambertian", 100 * share);
 }
 

@@ -20,9 +20,14 @@ PageTable table_of(const LightBasis& basis) {
     return table;
 }
 
+/// The reference lamps, each with its half vector behind it where there is one.
 PageTable lamps_of(const LightBasis& basis) {
     PageTable table{"lamp_table", {}};
-    for (const Vec3f& lamp : basis.lamps) table.entries.insert(table.entries.end(), {lamp.x(), lamp.y(), lamp.z(), 0});
+    const auto add = [&](const Vec3f& v) { table.entries.insert(table.entries.end(), {v.x(), v.y(), v.z(), 0}); };
+    for (const LampAndHalf& at : basis.lamps) {
+        add(at.lamp);
+        if (basis.by_half()) add(at.half);
+    }
     return table;
 }
 
@@ -61,6 +66,11 @@ PageModel page_model_of(const LightBasisFit& fit, const Atlas& atlas, const Data
                      {"length_between", {basis.length}},
                      {"least_cosine", {least_cosine}},
                      {"most_bright", {most_bright}}};
+    if (basis.by_half()) {
+        page.defines.emplace_back("HALF", "1");
+        page.uniforms.push_back({"half_length", {basis.half_length}});
+        page.uniforms.push_back({"half_share", {basis.half_share}});
+    }
     if (fit.underneath) {
         page.defines.emplace_back("MODEL", fit.underneath->name);
         for (const std::string& name : fit.underneath->coefficient_names) page.terms.push_back(name);

@@ -106,10 +106,11 @@ Eigen::MatrixXd moments_of(const RtiFile& file) {
 
 /// [lamps][lamps of the basis]
 Eigen::MatrixXd kernels_at(const std::vector<Vec3d>& lamps, const LightBasis& basis) {
+    const LightKernel<double> kernel{double(basis.length)};
     Eigen::MatrixXd out(Eigen::Index(lamps.size()), Eigen::Index(basis.lamps.size()));
     for (Eigen::Index i = 0; i < out.rows(); ++i)
         for (Eigen::Index j = 0; j < out.cols(); ++j)
-            out(i, j) = light_kernel(lamps[size_t(i)].cast<float>(), basis.lamps[size_t(j)], double(basis.length));
+            out(i, j) = kernel({lamps[size_t(i)].cast<float>()}, basis.lamps[size_t(j)]);
     return out;
 }
 
@@ -161,7 +162,7 @@ NearestBasis nearest_basis(const RtiFile& file, const std::vector<Vec3d>& refere
     basis.frame = frame;
     basis.length = length;
     basis.smoothing = 1e-4f;
-    for (const Vec3d& lamp : references) basis.lamps.push_back(lamp.cast<float>());
+    for (const Vec3d& lamp : references) basis.lamps.push_back({lamp.cast<float>()});
     const auto count = Eigen::Index(basis.lamps.size());
     const Eigen::MatrixXd at = kernels_at(lamps, basis);
     Eigen::MatrixXd products = at.transpose() * at;

@@ -15,8 +15,8 @@ namespace {
 
 /// At the pixels of a view [height][width], in linear light: what a standard deviation on the curve makes of the
 /// colour.
-void show_error_bars(const FittedLightBasis& m, const Contestant& colours, const Eigen::Matrix3f& inward,
-                     const View& view, const std::vector<RasterPixel>& pixels, std::vector<ErrorBar>& bars) {
+void show_error_bars(const FittedLightBasis& m, const Contestant& colours, const InwardTurns& inward, const View& view,
+                     const std::vector<RasterPixel>& pixels, std::vector<ErrorBar>& bars) {
     const TexelOfPixel texel_of(*m.atlas);
     const LightBasis& basis = m.fit.basis;
     LightBasisSolver solver(basis);
@@ -39,8 +39,10 @@ void show_error_bars(const FittedLightBasis& m, const Contestant& colours, const
             bars[i].fit.setConstant(INFINITY);
             continue;
         }
-        const Vec3f direction = place.frame.to_local(inward * view.light->direction_from(place.position).cast<float>());
-        bars[i].fit = in_light(m.error_bars->of_value(texel, basis.block_at(position), direction, solver));
+        const LampAndHalf at =
+            inward.turned(basis, place.frame, view.light->direction_from(place.position).cast<float>(),
+                          view.direction_to_camera(place.position).cast<float>());
+        bars[i].fit = in_light(m.error_bars->of_value(texel, basis.block_at(position), at, solver));
         bars[i].noise = in_light(Vec3f::Constant(m.error_bars->noise[texel]));
     }
 }
@@ -49,8 +51,8 @@ void show_error_bars(const FittedLightBasis& m, const Contestant& colours, const
 
 std::string description_of(const FittedLightBasis& m) {
     const LightBasis& basis = m.fit.basis;
-    return fmt::format("light basis of rank {} in {} blocks of the surface{}, {} numbers in each of {} texels",
-                       basis.rank, basis.cubes.size(),
+    return fmt::format("light basis of rank {}{} in {} blocks of the surface{}, {} numbers in each of {} texels",
+                       basis.rank, basis.by_half() ? " by lamp and half vector" : "", basis.cubes.size(),
                        m.fit.underneath ? fmt::format(" upon {}", m.fit.underneath->name) : "", m.fit.numbers(),
                        m.fit.problem_count());
 }
@@ -61,7 +63,7 @@ Contestant contestant_of(const FittedLightBasis& m, const Dataset& dataset) {
     if (m.error_bars)
         out.error_bars = [&m, &dataset, training, colours = out](const View& view, const auto& pixels,
                                                                  std::vector<ErrorBar>& bars) {
-            show_error_bars(m, colours, turn_inside(dataset, training, view), view, pixels, bars);
+            show_error_bars(m, colours, turns_inside(dataset, training, view), view, pixels, bars);
         };
     return out;
 }

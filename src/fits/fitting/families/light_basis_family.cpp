@@ -85,7 +85,7 @@ const Family light_bases = {
         [] {
             return by_view_options(
                 {rows::number("numbers", 0, rows::own(&LightBasisOptions::rank), limits::light_rank,
-                              "of each texel: functions of the lamp's direction"),
+                              "of each texel: functions of the lamp's direction, and the camera's where it moves"),
                  rows::text("underneath", 0, rows::own(&LightBasisOptions::underneath), "none, or a texel-local model",
                             "what the basis adds to: a reflectance model that is fitted first", check_underneath),
                  noise_option(), blocks_option()});
