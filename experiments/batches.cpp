@@ -82,12 +82,13 @@ struct Made {
     bool counts = true;  ///< the noise is Poisson's; else normal, of `noise`
     double noise = 0;
     int samples = 0, parameters = 0, terms = 0, values = 1;
-    bool gauge = false;  ///< its parameters are not determined, only its values
+    bool gauge = false;                          ///< its parameters are not determined, only its values
     std::vector<double> places;                  ///< [samples][terms]
     std::vector<double> truth, targets, starts;  ///< [fits][...]
 };
 
-/// Truth and start of a parameter, each drawn evenly about a middle: the truth by `spread`, the start by `off` of the truth.
+/// Truth and start of a parameter, each drawn evenly about a middle: the truth by `spread`, the start by `off` of the
+/// truth.
 struct Draw {
     double middle, spread, off;
 };
@@ -145,7 +146,8 @@ std::vector<Kind> kinds(const Options& o) {
     for (const double asked : o.sides) {
         const int side = int(asked);
         const double middle = 0.5 * (side - 1), width = side / 5.0;
-        const Draw height{500, 100, 100}, place{middle, 0.1 * side, 0.08 * side}, wide{width, 0.1 * width, 0.1 * width}, ground{10, 2, 3};
+        const Draw height{500, 100, 100}, place{middle, 0.1 * side, 0.08 * side}, wide{width, 0.1 * width, 0.1 * width},
+            ground{10, 2, 3};
         out.push_back({{"gaussian peak", gaussian_peak, true, 0, side * side, 5, 2, 1, false, pixels(side), {}, {}, {}},
                        {height, place, place, wide, ground}});
         out.push_back({{"elliptic peak", elliptic_peak, true, 0, side * side, 6, 2, 1, false, pixels(side), {}, {}, {}},
@@ -153,10 +155,18 @@ std::vector<Kind> kinds(const Options& o) {
     }
     std::vector<double> times;
     for (int i = 0; i < 40; ++i) times.push_back(0.25 * i);
-    out.push_back({{"decay", decay, true, 0, 40, 3, 1, 1, false, times, {}, {}, {}}, {{1000, 300, 200}, {2, 0.5, 0.5}, {20, 5, 5}}});
+    out.push_back({{"decay", decay, true, 0, 40, 3, 1, 1, false, times, {}, {}, {}},
+                   {{1000, 300, 200}, {2, 0.5, 0.5}, {20, 5, 5}}});
     out.push_back({{"lafortune", lafortune, false, 0.005, 60, 9, 3, 3, true, directions(60), {}, {}, {}},
-                   {{0.3, 0.1, 0.1}, {0.3, 0.1, 0.1}, {0.3, 0.1, 0.1}, {0.5, 0.2, 0.1}, {0.5, 0.2, 0.1}, {0.5, 0.2, 0.1},
-                    {-1, 0, 0.05}, {1, 0, 0.05}, {2.5, 0.5, 0.3}}});
+                   {{0.3, 0.1, 0.1},
+                    {0.3, 0.1, 0.1},
+                    {0.3, 0.1, 0.1},
+                    {0.5, 0.2, 0.1},
+                    {0.5, 0.2, 0.1},
+                    {0.5, 0.2, 0.1},
+                    {-1, 0, 0.05},
+                    {1, 0, 0.05},
+                    {2.5, 0.5, 0.3}}});
     return out;
 }
 
@@ -166,18 +176,21 @@ std::vector<real> as(const std::vector<double>& numbers, size_t count) {
 }
 
 template <class real>
-batch::Problems<real> problems_of(const Made& made, size_t fits, const std::vector<real>& places, const std::vector<real>& targets,
-                                  const std::vector<real>& starts, const std::vector<real>& weights = {}) {
+batch::Problems<real> problems_of(const Made& made, size_t fits, const std::vector<real>& places,
+                                  const std::vector<real>& targets, const std::vector<real>& starts,
+                                  const std::vector<real>& weights = {}) {
     return {fits, {}, size_t(made.samples), places, targets, weights, starts};
 }
 
 /// Sums of squared residuals, in doubles.
-std::vector<double> errors_at(const Made& made, const CompiledModel& model, const std::vector<double>& parameters, size_t fits) {
+std::vector<double> errors_at(const Made& made, const CompiledModel& model, const std::vector<double>& parameters,
+                              size_t fits) {
     std::vector<double> out(fits);
     const auto S = size_t(made.samples * made.values);
     parallel_for(fits, 64, [&](size_t k, int) {
         std::vector<double> values(S);
-        model.evaluate(&parameters[k * size_t(made.parameters)], made.places.data(), made.samples, values.data(), nullptr);
+        model.evaluate(&parameters[k * size_t(made.parameters)], made.places.data(), made.samples, values.data(),
+                       nullptr);
         for (size_t s = 0; s < S; ++s) out[k] += std::pow(values[s] - made.targets[k * S + s], 2);
     });
     return out;
@@ -198,12 +211,16 @@ Contestant ours(const Made& made, const CompiledModel& model, int threads, size_
         std::vector<real> places, targets, starts;
     };
     const auto S = size_t(made.samples * made.values);
-    auto input = std::make_shared<Input>(Input{as<real>(made.places, made.places.size()), as<real>(made.targets, fits * S),
-                                               as<real>(made.starts, fits * size_t(made.parameters))});
-    return {"radiafit solve", sizeof(real) == 8 ? "double" : "float", threads, fits, [&made, &model, input, fits, threads](auto& parameters) {
+    auto input =
+        std::make_shared<Input>(Input{as<real>(made.places, made.places.size()), as<real>(made.targets, fits * S),
+                                      as<real>(made.starts, fits * size_t(made.parameters))});
+    return {"radiafit solve", sizeof(real) == 8 ? "double" : "float", threads, fits,
+            [&made, &model, input, fits, threads](auto& parameters) {
                 set_thread_count(threads);
                 const Stopwatch clock;
-                const auto found = batch::solve(model, problems_of<real>(made, fits, input->places, input->targets, input->starts), {.covariance = false});
+                const auto found =
+                    batch::solve(model, problems_of<real>(made, fits, input->places, input->targets, input->starts),
+                                 {.covariance = false});
                 const double seconds = clock.wall_s();
                 parameters.assign(found.parameters.begin(), found.parameters.end());
                 return seconds;
@@ -220,7 +237,8 @@ Contestant rival(const Made& made, const CompiledModel& model, int threads, size
     return {"TinySolver", "double", threads, fits, [&made, &model, fits, threads](auto& parameters) {
                 set_thread_count(threads);
                 std::vector<std::unique_ptr<fits::TinyCurveSolver>> solvers;
-                for (int i = 0; i < threads; ++i) solvers.push_back(fits::tiny_curve_solver(made.parameters, {.step = 1e-6}));
+                for (int i = 0; i < threads; ++i)
+                    solvers.push_back(fits::tiny_curve_solver(made.parameters, {.step = 1e-6}));
                 parameters = as<double>(made.starts, fits * size_t(made.parameters));
                 const int S = made.samples * made.values;
                 const Stopwatch clock;
@@ -229,8 +247,10 @@ Contestant rival(const Made& made, const CompiledModel& model, int threads, size
                     solvers[size_t(worker)]->solve(S, &parameters[k * size_t(made.parameters)], &one,
                                                    [](const void* of, const double* p, double* r, double* derivatives) {
                                                        const One& o = *static_cast<const One*>(of);
-                                                       o.model->evaluate(p, o.made->places.data(), o.made->samples, r, derivatives);
-                                                       for (int s = 0; s < o.made->samples * o.made->values; ++s) r[s] -= o.targets[s];
+                                                       o.model->evaluate(p, o.made->places.data(), o.made->samples, r,
+                                                                         derivatives);
+                                                       for (int s = 0; s < o.made->samples * o.made->values; ++s)
+                                                           r[s] -= o.targets[s];
                                                    });
                 });
                 return clock.wall_s();
@@ -264,15 +284,16 @@ void time_fits(const Options& o, const Made& made, const CompiledModel& in_doubl
     for (const Contestant& c : all) {
         size_t arrived = 0;
         for (size_t k = 0; k < c.fits; ++k) arrived += c.errors[k] <= (1 + 1e-5) * best[k];
-        const Contestant& beside = *std::ranges::find_if(all, [&](const Contestant& r) { return r.name == "TinySolver" && r.threads == c.threads; });
+        const Contestant& beside = *std::ranges::find_if(
+            all, [&](const Contestant& r) { return r.name == "TinySolver" && r.threads == c.threads; });
         std::vector<double> rates, ratios;
         for (size_t i = 0; i < c.seconds.size(); ++i) {
             rates.push_back(double(c.fits) / c.seconds[i]);
             ratios.push_back(rates.back() / (double(beside.fits) / beside.seconds[i]));
         }
-        out.push_back({made.name, made.samples, made.parameters, c.name, c.precision, c.threads, c.fits, c.seconds.size(),
-                       double(arrived) / double(c.fits), median(rates), *std::ranges::min_element(rates),
-                       *std::ranges::max_element(rates), median(ratios)});
+        out.push_back({made.name, made.samples, made.parameters, c.name, c.precision, c.threads, c.fits,
+                       c.seconds.size(), double(arrived) / double(c.fits), median(rates),
+                       *std::ranges::min_element(rates), *std::ranges::max_element(rates), median(ratios)});
     }
 }
 
@@ -294,10 +315,12 @@ std::vector<double> bounds_at(const Made& made, const CompiledModel& model, cons
 template <class real>
 void judge_fits(const Options& o, const Made& made, const CompiledModel& model, const CompiledModel& in_doubles,
                 std::vector<rows::Statistics>& out) {
-    const size_t fits = std::min(size_t(o.fits), size_t(o.statistics_fits)), P = size_t(made.parameters), S = size_t(made.samples);
-    const std::vector<real> places = as<real>(made.places, made.places.size()), targets = as<real>(made.targets, fits * S),
-                            starts = as<real>(made.starts, fits * P);
-    const auto first = batch::solve(model, problems_of<real>(made, fits, places, targets, starts), {.covariance = false});
+    const size_t fits = std::min(size_t(o.fits), size_t(o.statistics_fits)), P = size_t(made.parameters),
+                 S = size_t(made.samples);
+    const std::vector<real> places = as<real>(made.places, made.places.size()),
+                            targets = as<real>(made.targets, fits * S), starts = as<real>(made.starts, fits * P);
+    const auto first =
+        batch::solve(model, problems_of<real>(made, fits, places, targets, starts), {.covariance = false});
     std::vector<real> weights(fits * S);
     parallel_for(fits, 64, [&](size_t k, int) {
         std::vector<real> values(S);
@@ -307,12 +330,15 @@ void judge_fits(const Options& o, const Made& made, const CompiledModel& model, 
     const auto found = batch::solve(model, problems_of<real>(made, fits, places, targets, first.parameters, weights),
                                     {.known_noise = true, .covariance = false});
     std::vector<double> bounds(fits * P);
-    parallel_for(fits, 64, [&](size_t k, int) { std::ranges::copy(bounds_at(made, in_doubles, &made.truth[k * P]), &bounds[k * P]); });
+    parallel_for(fits, 64, [&](size_t k, int) {
+        std::ranges::copy(bounds_at(made, in_doubles, &made.truth[k * P]), &bounds[k * P]);
+    });
     for (size_t i = 0; i < P; ++i) {
         double count = 0, sum = 0, squares = 0, one = 0, two = 0;
         for (size_t k = 0; k < fits; ++k) {
             if (found.status[k] != int(batch::BatchStatus::converged)) continue;
-            const double off = double(found.parameters[k * P + i]) - made.truth[k * P + i], in_bounds = off / std::sqrt(bounds[k * P + i]),
+            const double off = double(found.parameters[k * P + i]) - made.truth[k * P + i],
+                         in_bounds = off / std::sqrt(bounds[k * P + i]),
                          in_sigma = std::abs(off) / double(found.deviations[k * P + i]);
             ++count;
             sum += in_bounds;
@@ -321,8 +347,8 @@ void judge_fits(const Options& o, const Made& made, const CompiledModel& model, 
             two += in_sigma < 1.959964;
         }
         const double bias = sum / count;
-        out.push_back({made.name, made.samples, sizeof(real) == 8 ? "double" : "float", model.text().parameters[i], bias,
-                       1 / (squares / count - bias * bias), one / count, two / count, size_t(count)});
+        out.push_back({made.name, made.samples, sizeof(real) == 8 ? "double" : "float", model.text().parameters[i],
+                       bias, 1 / (squares / count - bias * bias), one / count, two / count, size_t(count)});
     }
 }
 
@@ -348,11 +374,13 @@ void batches(Experiment& experiment) {
     progress.finish();
     CsvFile fit_file(results.path(), rows::fits);
     CsvFile statistics_file(results.path(), rows::statistics);
-    Table table({"problem", "samples", "solver", "precision", "threads", "fits a second", "times TinySolver", "arrived"});
+    Table table(
+        {"problem", "samples", "solver", "precision", "threads", "fits a second", "times TinySolver", "arrived"});
     for (const rows::Fits& row : fits) {
         fit_file.add(row);
         table.add({row.problem, std::to_string(row.samples), row.solver, row.precision, std::to_string(row.threads),
-                   fmt::format("{:.3g}", row.fits_per_second), fmt::format("{:.1f}", row.times_rival), fmt::format("{:.2f} %", 100 * row.arrived_share)});
+                   fmt::format("{:.3g}", row.fits_per_second), fmt::format("{:.1f}", row.times_rival),
+                   fmt::format("{:.2f} %", 100 * row.arrived_share)});
     }
     for (const rows::Statistics& row : statistics) statistics_file.add(row);
     fit_file.commit();
@@ -364,4 +392,6 @@ void batches(Experiment& experiment) {
 }  // namespace
 }  // namespace radiafit::harness
 
-int main(int argc, char** argv) { return radiafit::harness::run_experiment("batches", argc, argv, radiafit::harness::batches); }
+int main(int argc, char** argv) {
+    return radiafit::harness::run_experiment("batches", argc, argv, radiafit::harness::batches);
+}

@@ -124,15 +124,17 @@ Certified read_certified(const std::filesystem::path& file) {
 }
 
 batch::ModelText model_of(const Certified& problem) {
-    const Formula& formula = *std::ranges::find(formulas, problem.name, [](const Formula& f) { return std::string(f.name); });
+    const Formula& formula =
+        *std::ranges::find(formulas, problem.name, [](const Formula& f) { return std::string(f.name); });
     std::vector<std::string> terms, names;
     if (problem.term_count == 1)
         terms = {"x"};
     else
         for (size_t i = 0; i < problem.term_count; ++i) terms.push_back(fmt::format("x{}", i + 1));
     for (size_t i = 0; i < problem.parameters.size(); ++i) names.push_back(fmt::format("b{}", i + 1));
-    std::string text = fmt::format("struct Terms {{ real {}; }};\nstruct Parameters {{ real {}; }};\nstruct Values {{ real y; }};\n",
-                                   fmt::join(terms, ", "), fmt::join(names, ", "));
+    std::string text =
+        fmt::format("struct Terms {{ real {}; }};\nstruct Parameters {{ real {}; }};\nstruct Values {{ real y; }};\n",
+                    fmt::join(terms, ", "), fmt::join(names, ", "));
     text += "Values value(Parameters p, Terms t) {\n    real turn = 6.283185307179586, year = turn / 12.0;\n";
     for (const std::string& t : terms) text += fmt::format("    real {0} = t.{0};\n", t);
     for (const std::string& b : names) text += fmt::format("    real {0} = p.{0};\n", b);
@@ -153,21 +155,31 @@ double digits_of(const std::vector<double>& values, const std::vector<double>& c
 }
 
 rows::Run run_ours(const Certified& problem, int start, const batch::CompiledModel& model, int iterations) {
-    const auto found = batch::solve(
-        model, batch::Problems<double>{1, {}, problem.targets.size(), problem.terms, problem.targets, {}, problem.starts[start]},
-        {.iterations = iterations});
-    return {"radiafit solve", "", problem.name, problem.difficulty, start + 1, digits_of(found.parameters, problem.parameters),
-            digits_of(found.error[0], problem.error), digits_of(found.deviations, problem.deviations),
-            batch::name_of(batch::BatchStatus(found.status[0])), found.steps[0]};
+    const auto found =
+        batch::solve(model,
+                     batch::Problems<double>{
+                         1, {}, problem.targets.size(), problem.terms, problem.targets, {}, problem.starts[start]},
+                     {.iterations = iterations});
+    return {"radiafit solve",
+            "",
+            problem.name,
+            problem.difficulty,
+            start + 1,
+            digits_of(found.parameters, problem.parameters),
+            digits_of(found.error[0], problem.error),
+            digits_of(found.deviations, problem.deviations),
+            batch::name_of(batch::BatchStatus(found.status[0])),
+            found.steps[0]};
 }
 
-rows::Run run_rival(const fits::CurveRival& rival, const Certified& problem, int start, const batch::CompiledModel& model,
-                    int iterations) {
+rows::Run run_rival(const fits::CurveRival& rival, const Certified& problem, int start,
+                    const batch::CompiledModel& model, int iterations) {
     const auto samples = problem.targets.size();
     const fits::CurveProblem curve{int(samples), int(problem.parameters.size()), problem.starts[start],
                                    [&](const double* p, double* r, double* derivatives) {
                                        std::vector<double> values(samples);
-                                       model.evaluate(p, problem.terms.data(), (long long)samples, values.data(), derivatives);
+                                       model.evaluate(p, problem.terms.data(), (long long)samples, values.data(),
+                                                      derivatives);
                                        for (size_t i = 0; r && i < samples; ++i) r[i] = values[i] - problem.targets[i];
                                    }};
     const fits::CurveEnd end = rival.solve(curve, iterations);
@@ -175,8 +187,16 @@ rows::Run run_rival(const fits::CurveRival& rival, const Certified& problem, int
     curve.evaluate(end.parameters.data(), r.data(), nullptr);
     double error = 0;
     for (const double x : r) error += x * x;
-    return {rival.name, rival.setting, problem.name, problem.difficulty, start + 1, digits_of(end.parameters, problem.parameters),
-            digits_of(error, problem.error), std::nan(""), end.converged ? "converged" : "not converged", end.iterations};
+    return {rival.name,
+            rival.setting,
+            problem.name,
+            problem.difficulty,
+            start + 1,
+            digits_of(end.parameters, problem.parameters),
+            digits_of(error, problem.error),
+            std::nan(""),
+            end.converged ? "converged" : "not converged",
+            end.iterations};
 }
 
 void certified(Experiment& experiment) {
@@ -202,7 +222,8 @@ void certified(Experiment& experiment) {
     std::vector<std::pair<std::string, std::string>> solvers;
     for (const rows::Run& run : runs) {
         run_file.add(run);
-        if (const std::pair solver(run.solver, run.setting); !std::ranges::count(solvers, solver)) solvers.push_back(solver);
+        if (const std::pair solver(run.solver, run.setting); !std::ranges::count(solvers, solver))
+            solvers.push_back(solver);
     }
     for (const auto& [solver, setting] : solvers) {
         rows::Solver sum{solver, setting, 0, 0, 0, 0, 0};
@@ -219,13 +240,14 @@ void certified(Experiment& experiment) {
         sum.digits_median = median(std::move(digits));
         solver_file.add(sum);
         table.add({solver, setting, fmt::format("{} of {}", sum.solved, sum.starts),
-                   solver.starts_with("radiafit") ? std::to_string(sum.sigma_right) : "", std::to_string(sum.wrongly_converged),
-                   fmt::format("{:.1f}", sum.digits_median)});
+                   solver.starts_with("radiafit") ? std::to_string(sum.sigma_right) : "",
+                   std::to_string(sum.wrongly_converged), fmt::format("{:.1f}", sum.digits_median)});
     }
     run_file.commit();
     solver_file.commit();
     log_info("digits of NIST's certified values\n" + table.text());
-    experiment.finish(results, fmt::format("NIST's nonlinear reference problems, both starts; {}", experiment.cpu_device()));
+    experiment.finish(results,
+                      fmt::format("NIST's nonlinear reference problems, both starts; {}", experiment.cpu_device()));
 }
 
 }  // namespace

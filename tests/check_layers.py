@@ -13,7 +13,7 @@ import re
 import sys
 
 RINGS = {
-    "core": ["base", "image", "batch", "geometry", "model", "dataset", "synthetic", "samples", "optim", "cpu", "gl", "fragment", "compute",
+    "core": ["base", "image", "geometry", "model", "batch", "dataset", "synthetic", "samples", "optim", "cpu", "gl", "fragment", "compute",
              "fit", "eval"],
     "fits": ["reference", "basis", "viewbasis", "lightbasis", "sg", "reachable", "fitting"],
     "harness": ["report", "command_line", "bench"],
@@ -36,7 +36,7 @@ ALLOWED = {layer: set(CHAIN[:i]) for i, layer in enumerate(CHAIN)}
 ALLOWED.update(
     cpu=up_to("optim"),
     image={"base"},
-    batch={"base"},
+    batch={"base", "model"},
     image_web={"base"},  # src/core/image/web, a target of its own
     gl={"base"},
     fragment=up_to("optim") | {"gl"},

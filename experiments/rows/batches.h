@@ -47,7 +47,9 @@ inline const RowFileOf<Statistics> statistics{
 
 inline const ExperimentEntry experiment{
     .name = "batches",
-    .about = "Many small fits by `radiafit solve`, beside Ceres' TinySolver by the same residuals and derivatives: peaks in images of 5 x 5 to 20 x 20 pixels with counting noise, exponential decays, Lafortune's model. How many a second at equal error, and how good the parameters and their error bars are against Cramér and Rao's bound.",
+    .about =
+        "Many small fits by `radiafit solve`, beside Ceres' TinySolver by the same residuals and derivatives: peaks in images of 5 x 5 to 20 x 20 pixels with counting noise, exponential decays, "
+        "Lafortune's model. How many a second at equal error, and how good the parameters and their error bars are against Cramér and Rao's bound.",
     .files = {&fits, &statistics},
     .place = 147,
     .title = "Many small fits",

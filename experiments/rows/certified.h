@@ -41,7 +41,9 @@ inline const RowFileOf<Solver> solvers{
 
 inline const ExperimentEntry experiment{
     .name = "certified",
-    .about = "NIST's 27 nonlinear reference problems from both of their starts: how many certified digits `radiafit solve` finds in doubles, of parameters, standard deviations and residuals, beside Ceres, its TinySolver, GSL, Eigen and NLopt, all by the same residuals and derivatives.",
+    .about =
+        "NIST's 27 nonlinear reference problems from both of their starts: how many certified digits `radiafit solve` finds in doubles, of parameters, standard deviations and residuals, beside "
+        "Ceres, its TinySolver, GSL, Eigen and NLopt, all by the same residuals and derivatives.",
     .files = {&runs, &solvers},
     .place = 145,
     .title = "Certified digits",

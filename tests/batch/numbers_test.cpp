@@ -1,4 +1,5 @@
-// Numbers that a batch's models are compiled with: values as the C library has them, derivatives as differences have them.
+// Numbers that a batch's models are compiled with: values as the C library has them, derivatives as differences have
+// them.
 #include "batch/kernel/numbers.h"
 
 #include <gtest/gtest.h>

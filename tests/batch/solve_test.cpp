@@ -1,6 +1,4 @@
 // What `solve` finds of many small problems, against what is known of them without it.
-#include "batch/problems.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "batch/problems.h"
 
 namespace radiafit::batch {
 namespace {
@@ -79,7 +78,8 @@ struct Peaks {
 TEST(BatchSolve, ExactSamplesGiveTheTruth) {
     const Peaks<double> made(40, 0);
     const auto found = solve(compiled(peak), made.problems(), {});
-    for (size_t i = 0; i < found.parameters.size(); ++i) EXPECT_NEAR(found.parameters[i], made.truth[i], 1e-9 * made.truth[i]);
+    for (size_t i = 0; i < found.parameters.size(); ++i)
+        EXPECT_NEAR(found.parameters[i], made.truth[i], 1e-9 * made.truth[i]);
     EXPECT_EQ(found.counts()[size_t(BatchStatus::converged)], made.count);
     const Peaks<float> single(40, 0);
     const auto rough = solve(compiled<float>(peak), single.problems(), {});
@@ -138,8 +138,10 @@ TEST(BatchSolve, ErrorBarsCover) {
     for (size_t k = 0; k < made.count; ++k) {
         const double ratio = std::sqrt(found.error[k] / double(made.samples - 5)) / 3;
         for (size_t i = 0; i < 5; ++i) {
-            EXPECT_NEAR(found.covariance[(5 * k + i) * 5 + i], std::pow(found.deviations[5 * k + i], 2), 1e-9 * found.covariance[(5 * k + i) * 5 + i]);
-            EXPECT_NEAR(found.deviations[5 * k + i], known.deviations[5 * k + i] * ratio, 1e-6 * found.deviations[5 * k + i]);
+            EXPECT_NEAR(found.covariance[(5 * k + i) * 5 + i], std::pow(found.deviations[5 * k + i], 2),
+                        1e-9 * found.covariance[(5 * k + i) * 5 + i]);
+            EXPECT_NEAR(found.deviations[5 * k + i], known.deviations[5 * k + i] * ratio,
+                        1e-6 * found.deviations[5 * k + i]);
         }
     }
 }
@@ -208,7 +210,8 @@ TEST(BatchSolve, BoundsHoldAndFixedParametersStay) {
     EXPECT_LT(at_bound, made.count);
 
     options = {.fixed = {false, false, false, true, false}};
-    const auto fixed = solve(compiled(peak), made.problems(), options), free = solve(compiled(peak), made.problems(), {});
+    const auto fixed = solve(compiled(peak), made.problems(), options),
+               free = solve(compiled(peak), made.problems(), {});
     for (size_t k = 0; k < made.count; ++k) {
         EXPECT_EQ(fixed.parameters[5 * k + 3], 1.1);
         EXPECT_EQ(fixed.deviations[5 * k + 3], 0);
@@ -303,8 +306,9 @@ Values value(Parameters p, Terms t) { return Values(exp((p.a + p.b) * t.x)); })"
     EXPECT_EQ(found.status[1], int(BatchStatus::no_samples));
     EXPECT_EQ(found.status[2], int(BatchStatus::not_finite));
     EXPECT_EQ(found.parameters[4], 1e5);
-    const auto soon = solve(compiled(text), Problems<double>{1, {}, 20, {terms.data(), 20}, {targets.data(), 20}, {}, {starts.data(), 2}},
-                            {.iterations = 1});
+    const auto soon = solve(
+        compiled(text), Problems<double>{1, {}, 20, {terms.data(), 20}, {targets.data(), 20}, {}, {starts.data(), 2}},
+        {.iterations = 1});
     EXPECT_EQ(soon.status[0], int(BatchStatus::max_iterations));
 }
 
@@ -322,7 +326,8 @@ TEST(BatchSolve, WrongArraysAreRefused) {
     };
     const auto nothing = [](Problems<double>&) {};
     EXPECT_EQ(complaint(nothing), "");
-    EXPECT_NE(complaint([](auto& p) { p.targets = p.targets.first(10); }).find("targets: 10 numbers"), std::string::npos);
+    EXPECT_NE(complaint([](auto& p) { p.targets = p.targets.first(10); }).find("targets: 10 numbers"),
+              std::string::npos);
     EXPECT_NE(complaint([](auto& p) { p.terms = p.terms.first(10); }).find("terms: 10 numbers"), std::string::npos);
     EXPECT_NE(complaint([](auto& p) { p.weights = p.targets.first(3); }).find("weights: 3 numbers"), std::string::npos);
     EXPECT_NE(complaint([](auto& p) { p.starts = p.starts.first(7); }).find("starts: 7 numbers"), std::string::npos);

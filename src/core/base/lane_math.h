@@ -1,8 +1,8 @@
 #pragma once
 #include <cstdint>
 
-/// e^x and ln x of lanes side by side, V a vector of floats or doubles (GCC's vector_size), without calls. Sums and products
-/// of lanes alone, so that the same text serves vectors of any width.
+/// e^x and ln x of lanes side by side, V a vector of floats or doubles (GCC's vector_size), without calls. Sums and
+/// products of lanes alone, so that the same text serves vectors of any width.
 namespace radiafit::lane_math {
 
 template <class V>
@@ -18,8 +18,8 @@ template <class V, class Number>
     return V{} + x;
 }
 
-/// e^x of floats within 2 units in the last place (relative error 2e-7) where e^x is a normal float; beyond, x counts as
-/// the nearest such: never zero, never infinite. NaN stays NaN.
+/// e^x of floats within 2 units in the last place (relative error 2e-7) where e^x is a normal float; beyond, x counts
+/// as the nearest such: never zero, never infinite. NaN stays NaN.
 template <class V>
 [[gnu::always_inline]] inline V exp_of_floats(const V& x) {
     typedef uint32_t Bits __attribute__((vector_size(sizeof(V))));
@@ -66,8 +66,10 @@ template <class V>
     // Taylor's polynomial of (e^r - 1 - r) / r^2, up to r^11 / 13!: relative error of e^r 5e-18
     const V r2 = r * r, r4 = r2 * r2;
     const V a = (0.5 + r * 1.66666666666666667e-1) + r2 * (4.16666666666666667e-2 + r * 8.33333333333333333e-3);
-    const V b = (1.38888888888888889e-3 + r * 1.98412698412698413e-4) + r2 * (2.48015873015873016e-5 + r * 2.75573192239858907e-6);
-    const V c = (2.75573192239858907e-7 + r * 2.50521083854417188e-8) + r2 * (2.08767569878680990e-9 + r * 1.60590438368216146e-10);
+    const V b = (1.38888888888888889e-3 + r * 1.98412698412698413e-4) +
+                r2 * (2.48015873015873016e-5 + r * 2.75573192239858907e-6);
+    const V c = (2.75573192239858907e-7 + r * 2.50521083854417188e-8) +
+                r2 * (2.08767569878680990e-9 + r * 1.60590438368216146e-10);
     const V power = (r2 * (a + r4 * (b + r4 * c)) + r) + 1.0;
     const Bits whole = (Bits)shifted << 52;
     return (V)((Bits)power + whole);

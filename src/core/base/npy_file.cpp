@@ -99,9 +99,10 @@ NpyReader::NpyReader(const std::filesystem::path& file, const std::string& what)
     const std::string descr(type.substr(1, type.size() - 2));
     bytes_ = uint64_t(descr.back() - '0');
     kind_ = descr[1];
-    const bool known = descr.size() == 3 && (kind_ == 'f'   ? bytes_ == 2 || bytes_ == 4 || bytes_ == 8
-                                             : kind_ == 'b' ? bytes_ == 1
-                                                            : (kind_ == 'i' || kind_ == 'u') && std::has_single_bit(bytes_) && bytes_ <= 8);
+    const bool known = descr.size() == 3 &&
+                       (kind_ == 'f'   ? bytes_ == 2 || bytes_ == 4 || bytes_ == 8
+                        : kind_ == 'b' ? bytes_ == 1
+                                       : (kind_ == 'i' || kind_ == 'u') && std::has_single_bit(bytes_) && bytes_ <= 8);
     if (!known) fail(fmt::format("elements of type '{}' are no plain numbers; save it as float32 or float64", descr));
     if (descr[0] == '>') fail("big-endian; save it as little-endian, such as by a.astype('<f8')");
     if (order != "False") fail("in Fortran order; save numpy.ascontiguousarray of it");
@@ -117,8 +118,7 @@ NpyReader::NpyReader(const std::filesystem::path& file, const std::string& what)
     uint64_t wanted = bytes_;
     for (const uint64_t n : shape_)
         if (__builtin_mul_overflow(wanted, n, &wanted)) fail("its shape is damaged; save it again by numpy.save");
-    if (size - begin_ < wanted)
-        fail(fmt::format("cut: {} bytes of {}; copy it again", size - begin_, wanted));
+    if (size - begin_ < wanted) fail(fmt::format("cut: {} bytes of {}; copy it again", size - begin_, wanted));
 }
 
 void NpyReader::fail(const std::string& problem) const { throw UserError(name_ + ": " + problem); }
@@ -131,7 +131,8 @@ std::string NpyReader::shape_text() const {
 
 template <class T>
 std::vector<T> NpyReader::read() const {
-    if (std::is_integral_v<T> && !whole_numbers()) fail("has fractions; save whole numbers, such as by a.astype('int64')");
+    if (std::is_integral_v<T> && !whole_numbers())
+        fail("has fractions; save whole numbers, such as by a.astype('int64')");
     std::vector<T> out(elements());
     constexpr uint64_t at_once = 1 << 20;
     std::vector<char> bytes(std::min<uint64_t>(at_once, out.size()) * bytes_);

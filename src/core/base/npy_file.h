@@ -45,8 +45,9 @@ extern template class NpyFile<int64_t>;
 /// An array as numpy.save wrote it, of any type of numbers that a double holds, or integers.
 class NpyReader {
 public:
-    /// Reads the header. `what` is the file's role, such as "targets". Throws UserError that names the file: it is missing
-    /// or no such array; its elements are no plain numbers, big-endian or in Fortran order; it ends before its last element.
+    /// Reads the header. `what` is the file's role, such as "targets". Throws UserError that names the file: it is
+    /// missing or no such array; its elements are no plain numbers, big-endian or in Fortran order; it ends before its
+    /// last element.
     NpyReader(const std::filesystem::path& file, const std::string& what);
 
     const std::string& file() const { return name_; }

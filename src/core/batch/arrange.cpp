@@ -23,8 +23,7 @@ std::optional<Shape> without_last(const Shape& shape, uint64_t last, size_t dime
 
 template <class Number>
 [[noreturn]] void reject(const ShapedArray<Number>& array, const std::string& wanted) {
-    throw UserError(
-        fmt::format("{}: its shape is {}, which should be {}", array.name, text_of(array.shape), wanted));
+    throw UserError(fmt::format("{}: its shape is {}, which should be {}", array.name, text_of(array.shape), wanted));
 }
 
 std::string with_last(const std::string& samples, const std::vector<std::string>& names) {
@@ -63,8 +62,8 @@ Problems<real> arranged(const ModelText& model, const ProblemArrays<real>& array
     const bool own = without_last(terms, term_count, dimensions) == samples;
     const bool shared = !ragged && without_last(terms, term_count, 1) == Shape{out.samples};
     if (!own && !shared)
-        reject(arrays.terms, (ragged ? "" : fmt::format("({}, {}) or ", out.samples, term_count)) +
-                                 with_last(found, model.terms));
+        reject(arrays.terms,
+               (ragged ? "" : fmt::format("({}, {}) or ", out.samples, term_count)) + with_last(found, model.terms));
     out.terms = arrays.terms.numbers;
 
     if (arrays.weights) {
@@ -74,12 +73,13 @@ Problems<real> arranged(const ModelText& model, const ProblemArrays<real>& array
     if (arrays.starts) {
         const Shape& shape = arrays.starts->shape;
         const uint64_t parameters = model.parameters.size();
-        const bool fits = shape == Shape{parameters} || shape == Shape{out.count, parameters} ||
-                          (shape.size() == 3 && shape[0] > 0 && (shape[1] == 1 || shape[1] == out.count) &&
-                           shape[2] == parameters);
+        const bool fits =
+            shape == Shape{parameters} || shape == Shape{out.count, parameters} ||
+            (shape.size() == 3 && shape[0] > 0 && (shape[1] == 1 || shape[1] == out.count) && shape[2] == parameters);
         if (!fits)
-            reject(*arrays.starts, fmt::format("({1},), ({0}, {1}), or of several starts (starts, {0} or 1, {1}), for {2}",
-                                               out.count, parameters, fmt::join(model.parameters, ", ")));
+            reject(*arrays.starts,
+                   fmt::format("({1},), ({0}, {1}), or of several starts (starts, {0} or 1, {1}), for {2}", out.count,
+                               parameters, fmt::join(model.parameters, ", ")));
         out.starts = arrays.starts->numbers;
         out.start_count = shape.size() == 3 ? shape[0] : 1;
     }

@@ -19,14 +19,14 @@ struct ProblemArrays {
     ShapedArray<real> terms;    ///< [problems, samples, terms], or [samples, terms] where all problems have the same
     ShapedArray<real> targets;  ///< [problems, samples, values]
     std::optional<ShapedArray<real>> weights = {};     ///< [problems, samples]
-    std::optional<ShapedArray<int64_t>> offsets = {};  ///< [problems + 1]; then the others have [all samples] in place of
-                                                       ///< [problems, samples]
-    std::optional<ShapedArray<real>> starts = {};      ///< [parameters], [problems, parameters], or of several starts
-                                                       ///< [starts, problems or 1, parameters]
+    std::optional<ShapedArray<int64_t>> offsets = {};  ///< [problems + 1]; then the others have [all samples] in place
+                                                       ///< of [problems, samples]
+    std::optional<ShapedArray<real>> starts = {};  ///< [parameters], [problems, parameters], or of several starts
+                                                   ///< [starts, problems or 1, parameters]
 };
 
-/// The problems that arrays of these shapes hold; an index that runs over one alone, such as the only value, may be left
-/// out. Throws UserError that names the array and the shape that it should have.
+/// The problems that arrays of these shapes hold; an index that runs over one alone, such as the only value, may be
+/// left out. Throws UserError that names the array and the shape that it should have.
 template <class real>
 Problems<real> arranged(const ModelText& model, const ProblemArrays<real>& arrays);
 

@@ -31,9 +31,12 @@ std::string compiler() {
 }
 
 /// Constants of `-ffast-math` that leave sums in their order: products with derivatives that are zero go.
-constexpr const char* flags[] = {"-std=c++20",        "-O3",    "-march=native", "-fPIC",
-                                 "-shared",           "-w",     "-fno-math-errno", "-fno-trapping-math",
-                                 "-fno-signed-zeros", "-ffinite-math-only", "-ffp-contract=fast"};
+constexpr const char* flags[] = {"-std=c++20",        "-O3",
+                                 "-march=native",     "-fPIC",
+                                 "-shared",           "-w",
+                                 "-fno-math-errno",   "-fno-trapping-math",
+                                 "-fno-signed-zeros", "-ffinite-math-only",
+                                 "-ffp-contract=fast"};
 
 constexpr const char* name_for_compiler = "model.glsl";  // a file's own name may hold anything
 
@@ -48,22 +51,30 @@ std::string source_of(const ModelText& model, Precision precision) {
     std::string values;
     for (size_t i = 0; i < model.values.size(); ++i) values += fmt::format("y[{}] = v.{}; ", i, model.values[i]);
     std::string text;
-    text += "#include \"batch/kernel/numbers.h\"\n#define SHARED_FN inline\n#define SELECT(c, a, b) real::select(c, a, b)\n";
+    text +=
+        "#include \"batch/kernel/numbers.h\"\n#define SHARED_FN inline\n#define SELECT(c, a, b) real::select(c, a, "
+        "b)\n";
     text += "namespace model_text {\n";
-    text += fmt::format("using real = radiafit::batch::Jet<radiafit::batch::Wide<{}>, {}>;\n", real, model.parameters.size());
+    text += fmt::format("using real = radiafit::batch::Jet<radiafit::batch::Wide<{}>, {}>;\n", real,
+                        model.parameters.size());
     text += fmt::format("#line 1 \"{}\"\n{}\n", name_for_compiler, model.text);
     text += "#line 1 \"model.cpp\"\n}\n#undef SELECT\n";
-    text += fmt::format("namespace {{ struct Model {{\n  static constexpr int terms = {}, parameters = {}, values = {};\n",
-                        model.terms.size(), model.parameters.size(), model.values.size());
+    text +=
+        fmt::format("namespace {{ struct Model {{\n  static constexpr int terms = {}, parameters = {}, values = {};\n",
+                    model.terms.size(), model.parameters.size(), model.values.size());
     text += fmt::format(
-        "  using real = model_text::real;\n  [[gnu::always_inline]] static inline void value(const real* p, const real* t, real* y) {{\n"
-        "    const model_text::Values v = model_text::value(model_text::Parameters{{{}}}, model_text::Terms{{{}}});\n    {}\n  }}\n}}; }}\n",
-        list("p[{i}]", model.parameters.size(), model.parameters), list("t[{i}]", model.terms.size(), model.terms), values);
+        "  using real = model_text::real;\n  [[gnu::always_inline]] static inline void value(const real* p, const "
+        "real* t, real* y) {{\n"
+        "    const model_text::Values v = model_text::value(model_text::Parameters{{{}}}, model_text::Terms{{{}}});\n  "
+        "  {}\n  }}\n}}; }}\n",
+        list("p[{i}]", model.parameters.size(), model.parameters), list("t[{i}]", model.terms.size(), model.terms),
+        values);
     text += "#include \"batch/kernel/problem_lanes.h\"\n";
     text += fmt::format(
         "using Lanes = radiafit::batch::ProblemLanes<{0}, Model>;\n"
         "extern \"C\" long long radiafit_storage_bytes(long long samples) {{ return Lanes::bytes_for(samples); }}\n"
-        "extern \"C\" void radiafit_solve(const radiafit::batch::Chunk* chunk, void* storage) {{ Lanes(*chunk, storage).run(); }}\n"
+        "extern \"C\" void radiafit_solve(const radiafit::batch::Chunk* chunk, void* storage) {{ Lanes(*chunk, "
+        "storage).run(); }}\n"
         "extern \"C\" void radiafit_evaluate(const {0}* p, const {0}* t, long long samples, {0}* y, {0}* d) {{\n"
         "  radiafit::batch::evaluate_samples<{0}, Model>(p, t, samples, y, d); }}\n",
         real);
@@ -82,7 +93,8 @@ std::string complaint_of(const std::string& messages, const std::string& name) {
         if (at == std::string::npos) continue;
         if (first.empty()) first = line.substr(at + 7);
         if (!line.starts_with(before)) continue;
-        return name + ":" + line.substr(before.size(), line.find(':', before.size()) - before.size()) + ": " + line.substr(at + 7);
+        return name + ":" + line.substr(before.size(), line.find(':', before.size()) - before.size()) + ": " +
+               line.substr(at + 7);
     }
     return name + ": " + (first.empty() ? single_line(messages) : first);
 }
@@ -104,24 +116,30 @@ void find(void* library, const char* name, Function*& function) {
 }  // namespace
 
 path compiled_models_folder() {
-    const auto given = [](const char* name) { const char* x = std::getenv(name); return std::string(x ? x : ""); };
+    const auto given = [](const char* name) {
+        const char* x = std::getenv(name);
+        return std::string(x ? x : "");
+    };
     if (const std::string cache = given("XDG_CACHE_HOME"); !cache.empty()) return path(cache) / "radiafit" / "models";
-    if (const std::string home = given("HOME"); !home.empty() && home != "/") return path(home) / ".cache/radiafit/models";
+    if (const std::string home = given("HOME"); !home.empty() && home != "/")
+        return path(home) / ".cache/radiafit/models";
     return std::filesystem::temp_directory_path() / "radiafit-models";
 }
 
 CompiledModel::CompiledModel(const ModelText& text, Precision precision) : text_(text), precision_(precision) {
     const std::string source = source_of(text, precision), program = compiler();
-    std::string all = source + program + run_program({program, "--version"}).output + instructions();
+    std::string all = source + program + run_program({program, "-v"}).message + instructions();
     for (const EmbeddedText& part : embedded_kernel()) all += part.text;
     for (const char* flag : flags) all += flag;
-    const path folder = compiled_models_folder(), library = folder / fmt::format("{:016x}.so", hash_bytes(all.data(), all.size()));
+    const path folder = compiled_models_folder(),
+               library = folder / fmt::format("{:016x}.so", hash_bytes(all.data(), all.size()));
     if (std::error_code ignored; !std::filesystem::exists(library, ignored)) {
         const Stopwatch clock;
         UnfinishedFolder work(folder, "");
         for (const EmbeddedText& part : embedded_kernel()) {
             const std::string_view file = part.file;
-            const path to = work.path() / file.substr(std::string_view(file.starts_with("src/") ? "src/core/" : "shaders/").size());
+            const path to =
+                work.path() / file.substr(std::string_view(file.starts_with("src/") ? "src/core/" : "shaders/").size());
             std::filesystem::create_directories(to.parent_path());
             write_file(to, part.text);
         }

@@ -35,7 +35,8 @@ public:
     Reader(const std::string& name, const std::string& text) : name_(name), text_(without_comments(text)) {}
 
     [[noreturn]] void fail(size_t at, const std::string& problem) const {
-        const auto line = 1 + std::count(text_.begin(), text_.begin() + std::ptrdiff_t(std::min(at, text_.size())), '\n');
+        const auto line =
+            1 + std::count(text_.begin(), text_.begin() + std::ptrdiff_t(std::min(at, text_.size())), '\n');
         throw UserError(fmt::format("{}:{}: {}", name_, line, problem));
     }
     [[noreturn]] void fail(const std::string& problem) const { throw UserError(fmt::format("{}: {}", name_, problem)); }
@@ -59,15 +60,15 @@ public:
         if (at >= text_.size() || text_[at] != '{') fail(at, fmt::format("expected `{}`", form));
         std::vector<std::string> names;
         for (at = skip_blanks(at + 1); at < text_.size() && text_[at] != '}'; at = skip_blanks(at)) {
-            if (word_at(at) != "real")
-                fail(at, fmt::format("members of {} are of type `real`: `{}`", structure, form));
+            if (word_at(at) != "real") fail(at, fmt::format("members of {} are of type `real`: `{}`", structure, form));
             at += 4;
             do {
                 at = skip_blanks(at);
                 const std::string member(word_at(at));
                 if (member.empty() || std::isdigit(static_cast<unsigned char>(member[0])))
                     fail(at, fmt::format("expected the name of a member of {}: `{}`", structure, form));
-                if (std::ranges::count(names, member)) fail(at, fmt::format("{} has two members {}", structure, member));
+                if (std::ranges::count(names, member))
+                    fail(at, fmt::format("{} has two members {}", structure, member));
                 names.push_back(member);
                 at = skip_blanks(at + member.size());
             } while (at < text_.size() && text_[at++] == ',');

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-/// A model of many small problems as its user writes it, in the language that GLSL and C++ share (docs/solve.md): structs
-/// Terms, Parameters and Values of `real` members, and a function Values value(Parameters p, Terms t).
+/// A model of many small problems as its user writes it, in the language that GLSL and C++ share (docs/solve.md):
+/// structs Terms, Parameters and Values of `real` members, and a function Values value(Parameters p, Terms t).
 namespace radiafit::batch {
 
 inline constexpr size_t most_terms = 64, most_parameters = 32, most_values = 4;

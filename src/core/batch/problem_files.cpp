@@ -32,7 +32,8 @@ StoredProblems<real> read_folder(const path& folder, const ModelText& model) {
     StoredProblems<real> out;
     const auto file = [&](const char* name) { return NpyReader(folder / fmt::format("{}.npy", name), name); };
     const auto there = [&](const char* name) { return path_exists(folder / fmt::format("{}.npy", name)); };
-    ProblemArrays<real> arrays{.terms = shaped(file("terms"), out.terms), .targets = shaped(file("targets"), out.targets)};
+    ProblemArrays<real> arrays{.terms = shaped(file("terms"), out.terms),
+                               .targets = shaped(file("targets"), out.targets)};
     if (there("weights")) arrays.weights = shaped(file("weights"), out.weights);
     if (there("offsets")) arrays.offsets = shaped(file("offsets"), out.offsets);
     if (there("start")) arrays.starts = shaped(file("start"), out.starts);
@@ -43,7 +44,8 @@ StoredProblems<real> read_folder(const path& folder, const ModelText& model) {
     return out;
 }
 
-/// Texels as `export problems` writes them: the model's terms are among u_x to v_z, of the directions to lamp and camera.
+/// Texels as `export problems` writes them: the model's terms are among u_x to v_z, of the directions to lamp and
+/// camera.
 template <class real>
 StoredProblems<real> read_exported(const path& folder, const ModelText& model) {
     static const std::vector<std::string> columns = {"u_x", "u_y", "u_z", "v_x", "v_y", "v_z"};
@@ -51,13 +53,15 @@ StoredProblems<real> read_exported(const path& folder, const ModelText& model) {
         return NpyReader(folder / fmt::format("training_{}.npy", name), "array of a texel-local model's problems");
     };
     StoredProblems<real> out;
-    const NpyReader u = file("u"), v = file("v"), targets = file("target"), weights = file("weight"), first = file("first");
+    const NpyReader u = file("u"), v = file("v"), targets = file("target"), weights = file("weight"),
+                    first = file("first");
     const std::vector<real> directions[] = {u.read<real>(), v.read<real>()};
     const size_t samples = directions[0].size() / 3;
     if (directions[1].size() != 3 * samples) throw UserError(fmt::format("{}: not as long as {}", v.file(), u.file()));
     for (const std::string& name : model.terms)
         if (!std::ranges::count(columns, name))
-            throw UserError(fmt::format("{}: has no term '{}'; there are: {}", folder.string(), name, fmt::join(columns, ", ")));
+            throw UserError(
+                fmt::format("{}: has no term '{}'; there are: {}", folder.string(), name, fmt::join(columns, ", ")));
     for (size_t s = 0; s < samples; ++s)
         for (const std::string& name : model.terms) {
             const size_t column = size_t(std::ranges::find(columns, name) - columns.begin());
@@ -79,7 +83,8 @@ std::vector<std::string> fields_of(std::string_view line) {
         std::string_view field = line.substr(0, comma);
         const auto cut = [&](std::string_view unwanted) {
             const size_t first = field.find_first_not_of(unwanted);
-            field = first == std::string_view::npos ? "" : field.substr(first, field.find_last_not_of(unwanted) - first + 1);
+            field = first == std::string_view::npos ? ""
+                                                    : field.substr(first, field.find_last_not_of(unwanted) - first + 1);
         };
         cut(" \t");
         if (field.size() > 1 && field.front() == '"' && field.back() == '"') field = field.substr(1, field.size() - 2);
@@ -104,7 +109,8 @@ StoredProblems<real> read_table(const path& file, const ModelText& model) {
         for (const std::string& name : names) {
             out.push_back(column(name));
             if (out.back() == columns.size())
-                text.fail(fmt::format("no column '{}', which the model has; there are: {}", name, fmt::join(columns, ", ")));
+                text.fail(
+                    fmt::format("no column '{}', which the model has; there are: {}", name, fmt::join(columns, ", ")));
         }
         return out;
     };
@@ -123,7 +129,8 @@ StoredProblems<real> read_table(const path& file, const ModelText& model) {
             text.fail(fmt::format("{} fields, where there are {} columns", fields.size(), columns.size()));
         const auto number = [&](size_t i) {
             const std::string& field = fields[i];
-            if (field.empty() || field == "nan" || field == "NaN" || field == "NA") return std::numeric_limits<real>::quiet_NaN();
+            if (field.empty() || field == "nan" || field == "NaN" || field == "NA")
+                return std::numeric_limits<real>::quiet_NaN();
             return real(text.to_double(field, columns[i].c_str()));
         };
         const std::string label = problem < columns.size() ? fields[problem] : "";
@@ -165,10 +172,12 @@ StoredProblems<real> read_problems(const path& input, const ModelText& model, co
         else if (std::isnan(out.starts[i]) && out.starts.size() == parameters)
             missing.push_back(model.parameters[i]);
     }
-    if (!missing.empty())
-        throw UserError(fmt::format("{}: says not where fits begin in {}; {}", input.string(), fmt::join(missing, ", "),
-                                    at_command_line(fmt::format("give --start {}=VALUE", fmt::join(missing, "=VALUE,")),
-                                                    "give starts")));
+    if (!missing.empty()) {
+        const std::string names = fmt::format("{}", fmt::join(missing, ", "));
+        const std::string values = fmt::format("{}=VALUE", fmt::join(missing, "=VALUE,"));
+        throw UserError(fmt::format("{}: says not where fits begin in {}; {}", input.string(), names,
+                                    at_command_line("give --start " + values, "give starts")));
+    }
     return out;
 }
 

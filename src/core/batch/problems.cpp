@@ -19,8 +19,7 @@ constexpr size_t problems_at_once = 1024;
 constexpr size_t alignment = 64;
 
 void require_size(const char* what, size_t found, size_t needed, const std::string& form) {
-    if (found != needed)
-        throw UserError(fmt::format("{}: {} numbers, where {} makes {}", what, found, form, needed));
+    if (found != needed) throw UserError(fmt::format("{}: {} numbers, where {} makes {}", what, found, form, needed));
 }
 
 template <class real>
@@ -31,8 +30,8 @@ void check(const ModelText& model, const Problems<real>& p, const Options& o) {
         if (p.offsets[0] != 0) throw UserError(fmt::format("offsets: begin with {}; the first is 0", p.offsets[0]));
         for (size_t i = 0; i < p.count; ++i)
             if (p.offsets[i + 1] < p.offsets[i])
-                throw UserError(fmt::format("offsets: number {} is {}, less than the one before it; they never fall", i + 1,
-                                            p.offsets[i + 1]));
+                throw UserError(fmt::format("offsets: number {} is {}, less than the one before it; they never fall",
+                                            i + 1, p.offsets[i + 1]));
     }
     const size_t all = p.all_samples();
     require_size("targets", p.targets.size(), all * Y, fmt::format("{} samples of {} values", all, Y));
@@ -40,7 +39,8 @@ void check(const ModelText& model, const Problems<real>& p, const Options& o) {
     if (!shared) require_size("terms", p.terms.size(), all * T, fmt::format("{} samples of {} terms", all, T));
     if (!p.weights.empty()) require_size("weights", p.weights.size(), all, fmt::format("{} samples", all));
     for (const real w : p.weights)
-        if (w < 0) throw UserError(fmt::format("weights: {} is below 0; a weight is 1 / variance, and 0 leaves out", w));
+        if (w < 0)
+            throw UserError(fmt::format("weights: {} is below 0; a weight is 1 / variance, and 0 leaves out", w));
     if (p.start_count == 0) throw UserError("starts: there are none");
     if (p.starts.size() != p.start_count * P)
         require_size("starts", p.starts.size(), p.start_count * p.count * P,
@@ -86,8 +86,8 @@ const std::vector<std::pair<std::string, BatchLoss>>& batch_losses() {
     return all;
 }
 const std::vector<std::pair<std::string, Precision>>& precisions() {
-    static const std::vector<std::pair<std::string, Precision>> all = {
-        {"double", Precision::double_precision}, {"float", Precision::single_precision}};
+    static const std::vector<std::pair<std::string, Precision>> all = {{"double", Precision::double_precision},
+                                                                       {"float", Precision::single_precision}};
     return all;
 }
 
@@ -99,14 +99,13 @@ const char* name_of(BatchStatus status) {
 }
 
 const char* meaning_of(BatchStatus status) {
-    static constexpr const char* meanings[] = {
-        "at a minimum, which the samples determine",
-        "at a minimum, with a parameter at a bound",
-        "took as many steps as were allowed",
-        "no step lowers the error, yet its gradient is not zero",
-        "at a minimum, but the samples don't determine all parameters",
-        "has no samples",
-        "the error of the start is no finite number"};
+    static constexpr const char* meanings[] = {"at a minimum, which the samples determine",
+                                               "at a minimum, with a parameter at a bound",
+                                               "took as many steps as were allowed",
+                                               "no step lowers the error, yet its gradient is not zero",
+                                               "at a minimum, but the samples don't determine all parameters",
+                                               "has no samples",
+                                               "the error of the start is no finite number"};
     static_assert(std::size(meanings) == size_t(BatchStatus::count));
     return meanings[size_t(status)];
 }
@@ -150,7 +149,9 @@ Solution<real> solve(const CompiledModel& model, const Problems<real>& problems,
         .upper = upper.data(),
         .fixed = fixed.data(),
         .iterations = options.iterations,
-        .tolerance = options.tolerance > 0 ? options.tolerance : sizeof(real) == 8 ? 1e-9 : 1e-3,
+        .tolerance = options.tolerance > 0 ? options.tolerance
+                     : sizeof(real) == 8   ? 1e-9
+                                           : 1e-3,
         .loss = options.loss,
         .loss_scale = options.loss_scale,
         .known_noise = options.known_noise,

@@ -31,7 +31,8 @@ struct Problems {
 
 struct Options {
     int iterations = 200;
-    double tolerance = 0;  ///< ends where a parameter's next step is so many of its standard deviations; 0: by precision
+    double tolerance =
+        0;  ///< ends where a parameter's next step is so many of its standard deviations; 0: by precision
     std::vector<double> lower = {}, upper = {};  ///< [parameters]; empty: none
     std::vector<bool> fixed = {};                ///< [parameters] stay as they start; empty: none
     BatchLoss loss = BatchLoss::square;
@@ -60,8 +61,8 @@ const std::vector<std::pair<std::string, Precision>>& precisions();
 const char* name_of(BatchStatus status);     ///< "at_bound"
 const char* meaning_of(BatchStatus status);  ///< in a few words
 
-/// Solves them on all cores. Throws UserError for arrays whose sizes don't fit the model, offsets that fall, bounds that
-/// cross, or a start that is no number. The same bits whatever the number of threads.
+/// Solves them on all cores. Throws UserError for arrays whose sizes don't fit the model, offsets that fall, bounds
+/// that cross, or a start that is no number. The same bits whatever the number of threads.
 template <class real>
 Solution<real> solve(const CompiledModel& model, const Problems<real>& problems, const Options& options);
 

@@ -29,7 +29,8 @@ private:
     const CurveProblem& problem_;
 };
 
-CurveEnd by_ceres(const CurveProblem& problem, int iterations, const std::function<void(ceres::Solver::Options&)>& set) {
+CurveEnd by_ceres(const CurveProblem& problem, int iterations,
+                  const std::function<void(ceres::Solver::Options&)>& set) {
     CurveEnd out{problem.start};
     ceres::Problem ceres_problem;
     ceres_problem.AddResidualBlock(new CeresCost(problem), nullptr, out.parameters.data());
@@ -57,7 +58,8 @@ struct TinyCurve {
     int NumParameters() const { return problem->parameters; }
     bool operator()(const double* p, double* r, double* jacobian) const {  // column by column
         if (!jacobian) return problem->evaluate(p, r, nullptr), true;
-        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows(problem->residuals, problem->parameters);
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows(problem->residuals,
+                                                                                    problem->parameters);
         problem->evaluate(p, r, rows.data());
         Eigen::Map<Eigen::MatrixXd>(jacobian, rows.rows(), rows.cols()) = rows;
         return true;
@@ -71,7 +73,8 @@ CurveEnd by_tiny_solver(const CurveProblem& problem, int iterations) {
     solver.options.cost_threshold = 0;
     Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(problem.start.data(), problem.parameters);
     const auto& summary = solver.Solve(TinyCurve{&problem}, &x);
-    return {{x.data(), x.data() + x.size()}, summary.status != ceres::TinySolver<TinyCurve>::HIT_MAX_ITERATIONS,
+    return {{x.data(), x.data() + x.size()},
+            summary.status != ceres::TinySolver<TinyCurve>::HIT_MAX_ITERATIONS,
             summary.iterations};
 }
 
@@ -86,7 +89,8 @@ struct EigenCurve {
         return 0;
     }
     int df(const Eigen::VectorXd& p, Eigen::MatrixXd& jacobian) const {
-        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows(problem->residuals, problem->parameters);
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows(problem->residuals,
+                                                                                    problem->parameters);
         Eigen::VectorXd r(problem->residuals);
         problem->evaluate(p.data(), r.data(), rows.data());
         jacobian = rows;
@@ -102,7 +106,8 @@ CurveEnd by_eigen(const CurveProblem& problem, int iterations) {
     solver.parameters.maxfev = iterations;
     Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(problem.start.data(), problem.parameters);
     const auto status = solver.minimize(x);
-    return {{x.data(), x.data() + x.size()}, status >= 1 && status <= 8 && status != Eigen::LevenbergMarquardtSpace::TooManyFunctionEvaluation,
+    return {{x.data(), x.data() + x.size()},
+            status >= 1 && status <= 8 && status != Eigen::LevenbergMarquardtSpace::TooManyFunctionEvaluation,
             int(solver.nfev)};
 }
 
@@ -119,7 +124,8 @@ CurveEnd by_gsl(const CurveProblem& problem, int iterations, const gsl_multifit_
     functions.params = const_cast<CurveProblem*>(&problem);
     functions.f = [](const gsl_vector* x, void* of, gsl_vector* f) {
         static_cast<const CurveProblem*>(of)->evaluate(x->data, f->data, nullptr);
-        return std::all_of(f->data, f->data + f->size, [](double r) { return std::isfinite(r); }) ? int(GSL_SUCCESS) : int(GSL_EDOM);
+        return std::all_of(f->data, f->data + f->size, [](double r) { return std::isfinite(r); }) ? int(GSL_SUCCESS)
+                                                                                                  : int(GSL_EDOM);
     };
     functions.df = [](const gsl_vector* x, void* of, gsl_matrix* jacobian) {
         std::vector<double> r(jacobian->size1);
@@ -130,7 +136,8 @@ CurveEnd by_gsl(const CurveProblem& problem, int iterations, const gsl_multifit_
     CurveEnd out{problem.start};
     if (gsl_multifit_nlinear_init(&start.vector, &functions, work.get()) != GSL_SUCCESS) return out;
     int info = 0;
-    const int status = gsl_multifit_nlinear_driver(size_t(iterations), 1e-15, 1e-15, 0, nullptr, nullptr, &info, work.get());
+    const int status =
+        gsl_multifit_nlinear_driver(size_t(iterations), 1e-15, 1e-15, 0, nullptr, nullptr, &info, work.get());
     const gsl_vector* x = gsl_multifit_nlinear_position(work.get());
     out.parameters.assign(x->data, x->data + p);
     out.converged = status == GSL_SUCCESS;
@@ -157,7 +164,8 @@ CurveEnd by_nlopt(const CurveProblem& problem, int iterations, nlopt_algorithm a
         }
         return sum;
     };
-    const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> solver(nlopt_create(algorithm, unsigned(problem.parameters)), nlopt_destroy);
+    const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> solver(
+        nlopt_create(algorithm, unsigned(problem.parameters)), nlopt_destroy);
     nlopt_set_min_objective(solver.get(), objective, &call);
     nlopt_set_ftol_rel(solver.get(), 1e-16);
     nlopt_set_xtol_rel(solver.get(), 1e-16);
@@ -175,15 +183,16 @@ CurveEnd by_nlopt(const CurveProblem& problem, int iterations, nlopt_algorithm a
 const std::vector<CurveRival>& curve_rivals() {
     static const std::vector<CurveRival> all = {
         {"Ceres", "Levenberg-Marquardt by QR", [](const auto& p, int n) { return by_ceres(p, n, [](auto&) {}); }},
-        {"Ceres", "dogleg", [](const auto& p, int n) {
+        {"Ceres", "dogleg",
+         [](const auto& p, int n) {
              return by_ceres(p, n, [](auto& o) { o.trust_region_strategy_type = ceres::DOGLEG; });
          }},
-        {"Ceres", "nonmonotonic steps", [](const auto& p, int n) {
-             return by_ceres(p, n, [](auto& o) { o.use_nonmonotonic_steps = true; });
-         }},
+        {"Ceres", "nonmonotonic steps",
+         [](const auto& p, int n) { return by_ceres(p, n, [](auto& o) { o.use_nonmonotonic_steps = true; }); }},
         {"Ceres TinySolver", "", by_tiny_solver},
         {"GSL", "Levenberg-Marquardt", [](const auto& p, int n) { return by_gsl(p, n, gsl_multifit_nlinear_trs_lm); }},
-        {"GSL", "geodesic acceleration", [](const auto& p, int n) { return by_gsl(p, n, gsl_multifit_nlinear_trs_lmaccel); }},
+        {"GSL", "geodesic acceleration",
+         [](const auto& p, int n) { return by_gsl(p, n, gsl_multifit_nlinear_trs_lmaccel); }},
         {"Eigen", "Levenberg-Marquardt of MINPACK", by_eigen},
         {"NLopt", "L-BFGS", [](const auto& p, int n) { return by_nlopt(p, n, NLOPT_LD_LBFGS); }},
         {"NLopt", "SLSQP", [](const auto& p, int n) { return by_nlopt(p, n, NLOPT_LD_SLSQP); }},

@@ -36,12 +36,14 @@ private:
         int residuals = 0;
         const void* of = nullptr;
         void (*evaluate)(const void*, const double*, double*, double*) = nullptr;
-        mutable Eigen::Matrix<double, Eigen::Dynamic, parameters, parameters == 1 ? Eigen::ColMajor : Eigen::RowMajor> rows;
+        mutable Eigen::Matrix<double, Eigen::Dynamic, parameters, parameters == 1 ? Eigen::ColMajor : Eigen::RowMajor>
+            rows;
 
         int NumResiduals() const { return residuals; }
         bool operator()(const double* p, double* r, double* jacobian) const {
             evaluate(of, p, r, jacobian ? rows.data() : nullptr);
-            if (jacobian) Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, parameters>>(jacobian, residuals, parameters) = rows;
+            if (jacobian)
+                Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, parameters>>(jacobian, residuals, parameters) = rows;
             return true;
         }
     };
@@ -53,11 +55,16 @@ private:
 
 std::unique_ptr<TinyCurveSolver> tiny_curve_solver(int parameters, const TinyCurveOptions& options) {
     switch (parameters) {
-        case 3: return std::make_unique<TinyOfSize<3>>(options);
-        case 5: return std::make_unique<TinyOfSize<5>>(options);
-        case 6: return std::make_unique<TinyOfSize<6>>(options);
-        case 9: return std::make_unique<TinyOfSize<9>>(options);
-        default: throw std::logic_error("tiny_curve_solver: compiled for 3, 5, 6 or 9 parameters");
+        case 3:
+            return std::make_unique<TinyOfSize<3>>(options);
+        case 5:
+            return std::make_unique<TinyOfSize<5>>(options);
+        case 6:
+            return std::make_unique<TinyOfSize<6>>(options);
+        case 9:
+            return std::make_unique<TinyOfSize<9>>(options);
+        default:
+            throw std::logic_error("tiny_curve_solver: compiled for 3, 5, 6 or 9 parameters");
     }
 }
 

@@ -109,14 +109,17 @@ void solve_files(const SolveCommand& command, const Invocation& invocation) {
     options.fixed = fixed_of(command.fix, text);
     const auto problems = batch::read_problems<real>(command.input, text, by_name("start", command.start, text));
     const batch::CompiledModel model(text, command.precision);
-    if (model.seconds() > 0) log_info(fmt::format("{}: compiled in {:.1f} s, and kept", command.model, model.seconds()));
+    if (model.seconds() > 0)
+        log_info(fmt::format("{}: compiled in {:.1f} s, and kept", command.model, model.seconds()));
     const Stopwatch clock;
     const batch::Solution<real> solution = batch::solve(model, problems.arrays(), options);
     const double seconds = clock.wall_s();
 
     const uint64_t n = problems.count, p = text.parameters.size();
-    folder.write<real>("parameters", {n, p}, solution.parameters, "of the best end of each problem, as `parameters` names them");
-    folder.write<real>("sigma", {n, p}, solution.deviations, "standard deviations; 0: fixed, or at a bound; infinite: not determined");
+    folder.write<real>("parameters", {n, p}, solution.parameters,
+                       "of the best end of each problem, as `parameters` names them");
+    folder.write<real>("sigma", {n, p}, solution.deviations,
+                       "standard deviations; 0: fixed, or at a bound; infinite: not determined");
     folder.write<real>("covariance", {n, p, p}, solution.covariance, "of the parameters");
     folder.write<real>("chi2", {n}, solution.error, "sum of weight times squared residual, or of the loss");
     folder.write<int32_t>("status", {n}, solution.status, "how each ended, as `statuses` names them from 0 on");
@@ -134,7 +137,9 @@ void solve_files(const SolveCommand& command, const Invocation& invocation) {
     folder.commit(record);
 
     if (command.json) {
-        fmt::print("{}\n", nlohmann::ordered_json{{"problems", n}, {"seconds", seconds}, {"statuses", status_json(counts)}}.dump());
+        fmt::print(
+            "{}\n",
+            nlohmann::ordered_json{{"problems", n}, {"seconds", seconds}, {"statuses", status_json(counts)}}.dump());
         return;
     }
     fmt::print("{} problems in {:.3g} s: {:.3g} a second\n", n, seconds, double(n) / seconds);
@@ -149,7 +154,9 @@ void add_solve(CommandLine& program, const Invocation& invocation) {
     auto o = std::make_shared<SolveCommand>();
     CommandLine& command = program.add_command(
         "solve", "fit a model of one's own to many small sets of samples, from arrays (docs/solve.md)");
-    command.add_text("problems", o->input, "folder of arrays (terms.npy, targets.npy, ...), or a table (CSV)").required().input();
+    command.add_text("problems", o->input, "folder of arrays (terms.npy, targets.npy, ...), or a table (CSV)")
+        .required()
+        .input();
     command.add_text("--model", o->model, "text of the model").required().input();
     command.add_text("-o,--output", o->out, "folder of the solution").required().idle();
     command.writes([=] { return std::vector{OutputTarget{.path = o->out}}; });
@@ -157,17 +164,18 @@ void add_solve(CommandLine& program, const Invocation& invocation) {
     command.add_words("--lower", o->lower, "lowest values: NAME=VALUE, between commas");
     command.add_words("--upper", o->upper, "highest values: NAME=VALUE, between commas");
     command.add_words("--fix", o->fix, "parameters that stay as they start: NAME, between commas");
-    command.add_choice("--precision", o->precision,
-                       batch::precisions(), "of all numbers: double or float; default: double");
+    command.add_choice("--precision", o->precision, batch::precisions(),
+                       "of all numbers: double or float; default: double");
     command.add_number("--iterations", o->options.iterations, iteration_range, "steps at most");
     command.add_number("--tolerance", o->options.tolerance, tolerance_range,
                        "a fit ends where its next step is so many standard deviations");
-    command.add_choice("--loss", o->options.loss,
-                       batch::batch_losses(), "square, huber or cauchy: what a residual costs; default: square");
+    command.add_choice("--loss", o->options.loss, batch::batch_losses(),
+                       "square, huber or cauchy: what a residual costs; default: square");
     command.add_number("--loss-scale", o->options.loss_scale, scale_range,
                        "residuals, times the roots of their weights, well below it cost their square");
-    command.add_flag("--known-noise", o->options.known_noise,
-                     "weights are 1 / variance; otherwise relative to it, and the variance is found from the residuals");
+    command.add_flag(
+        "--known-noise", o->options.known_noise,
+        "weights are 1 / variance; otherwise relative to it, and the variance is found from the residuals");
     add_json(command, o->json);
     command.on_run([=, &invocation] {
         if (o->precision == batch::Precision::double_precision)

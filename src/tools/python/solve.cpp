@@ -91,8 +91,7 @@ py::dict solve_arrays(const std::string& model, py::object terms, py::object tar
                       py::object weights, py::object offsets, const py::dict& lower, const py::dict& upper,
                       const std::vector<std::string>& fix, const std::string& precision, int iterations,
                       double tolerance, const std::string& loss, double loss_scale, bool known_noise, bool covariance) {
-    const ModelText text =
-        model.find('{') == std::string::npos ? read_model_file(model) : read_model("model", model);
+    const ModelText text = model.find('{') == std::string::npos ? read_model_file(model) : read_model("model", model);
     Call call{std::move(terms), std::move(targets), std::move(weights), std::move(offsets), std::move(start), {}};
     call.options = {.iterations = iterations,
                     .tolerance = tolerance,
@@ -109,7 +108,8 @@ py::dict solve_arrays(const std::string& model, py::object terms, py::object tar
         call.options.fixed[size_t(found - text.parameters.begin())] = true;
     }
     const auto chosen = choose<Precision>("precision", precision, precisions());
-    return chosen == Precision::double_precision ? solved<double>(text, call, chosen) : solved<float>(text, call, chosen);
+    return chosen == Precision::double_precision ? solved<double>(text, call, chosen)
+                                                 : solved<float>(text, call, chosen);
 }
 
 }  // namespace

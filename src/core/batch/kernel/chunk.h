@@ -36,12 +36,12 @@ struct Chunk {
     double loss_scale;
     bool known_noise;  ///< weights are 1 / variance, rather than relative to it
     // Out, of all problems. A parameter that is fixed or at a bound has no deviation.
-    void* parameters;       ///< real [problems][parameters]
-    void* deviations;       ///< real [problems][parameters]
-    void* covariance;       ///< real [problems][parameters][parameters]; null: not wanted
-    void* error;            ///< real [problems] sum of w r^2, or of the loss
-    int *status, *steps;    ///< [problems]
-    long long* seen;        ///< [problems] samples that are not missing
+    void* parameters;     ///< real [problems][parameters]
+    void* deviations;     ///< real [problems][parameters]
+    void* covariance;     ///< real [problems][parameters][parameters]; null: not wanted
+    void* error;          ///< real [problems] sum of w r^2, or of the loss
+    int *status, *steps;  ///< [problems]
+    long long* seen;      ///< [problems] samples that are not missing
 };
 
 }  // namespace radiafit::batch

@@ -1,7 +1,7 @@
 #pragma once
 // Numbers that a model's text is compiled with where each lane holds a problem: Wide, lanes side by side, and Jet, such
-// numbers with their derivatives by the model's parameters (forward mode; Griewank and Walther 2008, chapter 3). Includes
-// next to nothing, since it is compiled anew with every model (batch/kernel/problem_lanes.h).
+// numbers with their derivatives by the model's parameters (forward mode; Griewank and Walther 2008, chapter 3).
+// Includes next to nothing, since it is compiled anew with every model (batch/kernel/problem_lanes.h).
 #include <cmath>
 
 #include "base/lane_math.h"
@@ -73,27 +73,27 @@ RADIAFIT_INLINE Wide<real> sqrt(const Wide<real>& x) {
 #define RADIAFIT_SYMBOL_F(args, name) _ZGVbN4##args##_##name##f
 #define RADIAFIT_SYMBOL_D(args, name) _ZGVbN2##args##_##name
 #endif
-#define RADIAFIT_ONE(name)                                                                           \
-    extern "C" Wide<float>::Vector RADIAFIT_SYMBOL_F(v, name)(Wide<float>::Vector);                  \
-    extern "C" Wide<double>::Vector RADIAFIT_SYMBOL_D(v, name)(Wide<double>::Vector);                \
+#define RADIAFIT_ONE(name)                                                                                          \
+    extern "C" Wide<float>::Vector RADIAFIT_SYMBOL_F(v, name)(Wide<float>::Vector);                                 \
+    extern "C" Wide<double>::Vector RADIAFIT_SYMBOL_D(v, name)(Wide<double>::Vector);                               \
     RADIAFIT_INLINE Wide<float> name(const Wide<float>& x) { return Wide<float>(RADIAFIT_SYMBOL_F(v, name)(x.v)); } \
     RADIAFIT_INLINE Wide<double> name(const Wide<double>& x) { return Wide<double>(RADIAFIT_SYMBOL_D(v, name)(x.v)); }
-#define RADIAFIT_TWO(name)                                                                           \
-    extern "C" Wide<float>::Vector RADIAFIT_SYMBOL_F(vv, name)(Wide<float>::Vector, Wide<float>::Vector); \
+#define RADIAFIT_TWO(name)                                                                                   \
+    extern "C" Wide<float>::Vector RADIAFIT_SYMBOL_F(vv, name)(Wide<float>::Vector, Wide<float>::Vector);    \
     extern "C" Wide<double>::Vector RADIAFIT_SYMBOL_D(vv, name)(Wide<double>::Vector, Wide<double>::Vector); \
-    RADIAFIT_INLINE Wide<float> name(const Wide<float>& x, const Wide<float>& y) {                   \
-        return Wide<float>(RADIAFIT_SYMBOL_F(vv, name)(x.v, y.v));                                   \
-    }                                                                                                \
-    RADIAFIT_INLINE Wide<double> name(const Wide<double>& x, const Wide<double>& y) {                \
-        return Wide<double>(RADIAFIT_SYMBOL_D(vv, name)(x.v, y.v));                                  \
+    RADIAFIT_INLINE Wide<float> name(const Wide<float>& x, const Wide<float>& y) {                           \
+        return Wide<float>(RADIAFIT_SYMBOL_F(vv, name)(x.v, y.v));                                           \
+    }                                                                                                        \
+    RADIAFIT_INLINE Wide<double> name(const Wide<double>& x, const Wide<double>& y) {                        \
+        return Wide<double>(RADIAFIT_SYMBOL_D(vv, name)(x.v, y.v));                                          \
     }
 #else
-#define RADIAFIT_ONE(name)                                                                                     \
-    template <class real>                                                                                      \
-    inline Wide<real> name(const Wide<real>& x) {                                                              \
-        Wide<real> y;                                                                                          \
-        for (int lane = 0; lane < Wide<real>::size; ++lane) y.v[lane] = real(std::name(x.v[lane]));            \
-        return y;                                                                                              \
+#define RADIAFIT_ONE(name)                                                                          \
+    template <class real>                                                                           \
+    inline Wide<real> name(const Wide<real>& x) {                                                   \
+        Wide<real> y;                                                                               \
+        for (int lane = 0; lane < Wide<real>::size; ++lane) y.v[lane] = real(std::name(x.v[lane])); \
+        return y;                                                                                   \
     }
 #define RADIAFIT_TWO(name)                                                                                     \
     template <class real>                                                                                      \
@@ -103,12 +103,15 @@ RADIAFIT_INLINE Wide<real> sqrt(const Wide<real>& x) {
         return y;                                                                                              \
     }
 #endif
-RADIAFIT_ONE(log) RADIAFIT_ONE(sin) RADIAFIT_ONE(cos) RADIAFIT_ONE(tan) RADIAFIT_ONE(atan)
-RADIAFIT_ONE(sinh) RADIAFIT_ONE(cosh) RADIAFIT_ONE(tanh) RADIAFIT_TWO(pow)
+RADIAFIT_ONE(log)
+RADIAFIT_ONE(sin) RADIAFIT_ONE(cos) RADIAFIT_ONE(tan) RADIAFIT_ONE(atan) RADIAFIT_ONE(sinh) RADIAFIT_ONE(cosh)
+    RADIAFIT_ONE(tanh) RADIAFIT_TWO(pow)
 #undef RADIAFIT_ONE
 #undef RADIAFIT_TWO
 
-RADIAFIT_INLINE Wide<float> exp(const Wide<float>& x) { return Wide<float>(lane_math::exp_of_floats(x.v)); }
+        RADIAFIT_INLINE Wide<float> exp(const Wide<float>& x) {
+    return Wide<float>(lane_math::exp_of_floats(x.v));
+}
 RADIAFIT_INLINE Wide<double> exp(const Wide<double>& x) { return Wide<double>(lane_math::exp_of_doubles(x.v)); }
 
 /// A number and its derivatives by so many parameters.

@@ -1,7 +1,7 @@
 #pragma once
-// Levenberg-Marquardt for many small problems of one model, each in a lane, which takes the next problem as soon as one has
-// ended (Levenberg 1944, Marquardt 1963; scaled as in Moré 1978; damped as in Madsen, Nielsen and Tingleff 2004, section 3.2).
-// Compiled with a model's text, for the widest vectors that the machine has.
+// Levenberg-Marquardt for many small problems of one model, each in a lane, which takes the next problem as soon as one
+// has ended (Levenberg 1944, Marquardt 1963; scaled as in Moré 1978; damped as in Madsen, Nielsen and Tingleff 2004,
+// section 3.2). Compiled with a model's text, for the widest vectors that the machine has.
 #include "batch/kernel/chunk.h"
 #include "batch/kernel/numbers.h"
 
@@ -18,12 +18,13 @@ struct LossOf {
 #pragma pop_macro("SHARED_FN")
 };
 
-/// Model: `parameters`, `terms`, `values`, and value(p, t, y), which sets y[values] for p[parameters] and t[terms], all of
-/// them Jets of Wide<real>.
+/// Model: `parameters`, `terms`, `values`, and value(p, t, y), which sets y[values] for p[parameters] and t[terms], all
+/// of them Jets of Wide<real>.
 
 /// One problem's values [samples][values] and their derivatives [samples][values][parameters], samples side by side.
 template <class real, class Model>
-[[gnu::flatten]] void evaluate_samples(const real* parameters, const real* terms, long long samples, real* values, real* derivatives) {
+[[gnu::flatten]] void evaluate_samples(const real* parameters, const real* terms, long long samples, real* values,
+                                       real* derivatives) {
     using number = Wide<real>;
     constexpr int P = Model::parameters, T = Model::terms, Y = Model::values, L = number::size;
     Jet<number, P> p[P], t[T], y[Y];
@@ -84,9 +85,7 @@ public:
         for (int lane = 0; lane < L; ++lane) problem_[lane] = -1;
         if (chunk_.shared_terms) share_terms();
     }
-    static long long bytes_for(long long samples) {
-        return samples * ((T + Y + 1) * L + T) * (long long)sizeof(real);
-    }
+    static long long bytes_for(long long samples) { return samples * ((T + Y + 1) * L + T) * (long long)sizeof(real); }
 
     void run() {
         for (long long i = chunk_.first; i < chunk_.first + chunk_.count; ++i) {
@@ -152,7 +151,9 @@ private:
             if (whole_terms(terms + s * T) && whole < 0) whole = s;
         for (long long s = 0; s < chunk_.samples; ++s)
             for (int k = 0; k < T; ++k)
-                shared_[s * T + k] = whole_terms(terms + s * T) ? terms[s * T + k] : whole < 0 ? real(0) : terms[whole * T + k];
+                shared_[s * T + k] = whole_terms(terms + s * T) ? terms[s * T + k]
+                                     : whole < 0                ? real(0)
+                                                                : terms[whole * T + k];
     }
     static bool whole_terms(const real* terms) {
         for (int k = 0; k < T; ++k)
@@ -167,8 +168,8 @@ private:
         while (next_ < chunk_.count) {
             const long long problem = chunk_.first + next_, from = next_start_;
             if (++next_start_ == chunk_.start_count) next_start_ = 0, ++next_;
-            const real* start = reals(chunk_.starts) +
-                                (from * chunk_.starts_of_each + (chunk_.starts_of_each > 1 ? problem : 0)) * P;
+            const real* start =
+                reals(chunk_.starts) + (from * chunk_.starts_of_each + (chunk_.starts_of_each > 1 ? problem : 0)) * P;
             load_samples(lane, problem);
             if (count_[lane] == 0) {
                 without_samples(problem, start);
@@ -239,7 +240,8 @@ private:
         filled_ = samples;
     }
     void pad(int lane, long long sample, long long like) {
-        for (int k = 0; k < row_; ++k) rows_[(sample * row_ + k) * L + lane] = k + 1 < row_ ? rows_[(like * row_ + k) * L + lane] : real(0);
+        for (int k = 0; k < row_; ++k)
+            rows_[(sample * row_ + k) * L + lane] = k + 1 < row_ ? rows_[(like * row_ + k) * L + lane] : real(0);
     }
 
     void evaluate(Sums& sums) const {
@@ -252,8 +254,10 @@ private:
         }
         for (int lane = 0; lane < L; ++lane) even = even && (problem_[lane] < 0 || length_[lane] == samples);
         switch (chunk_.loss) {
-            case BatchLoss::huber: return evaluate<BatchLoss::huber, false>(samples, sums);
-            case BatchLoss::cauchy: return evaluate<BatchLoss::cauchy, false>(samples, sums);
+            case BatchLoss::huber:
+                return evaluate<BatchLoss::huber, false>(samples, sums);
+            case BatchLoss::cauchy:
+                return evaluate<BatchLoss::cauchy, false>(samples, sums);
             default:
                 return even ? evaluate<BatchLoss::square, true>(samples, sums)
                             : evaluate<BatchLoss::square, false>(samples, sums);
@@ -514,7 +518,8 @@ private:
                 inverse[i][j] = sum * factor_.over[i].v[lane];
             }
         const real freedom = freedom_.v[lane];
-        const bool known = status_[lane] != BatchStatus::underdetermined && finite_start && (chunk_.known_noise || freedom > 0);
+        const bool known =
+            status_[lane] != BatchStatus::underdetermined && finite_start && (chunk_.known_noise || freedom > 0);
         const real variance = chunk_.known_noise ? real(1) : error / (freedom > 0 ? freedom : 1);
         for (int i = 0; i < P; ++i)
             for (int j = chunk_.covariance ? 0 : i; j <= i; ++j) {
@@ -523,8 +528,7 @@ private:
                 const bool unknown = !known && !chunk_.fixed[i] && !chunk_.fixed[j];
                 const real spread = variance * sum * scale_[i].v[lane] * scale_[j].v[lane];
                 const real covariance = !unknown ? spread : i == j ? infinity : real(0);
-                if (i == j)
-                    out(chunk_.deviations)[problem * P + i] = unknown ? infinity : real(__builtin_sqrt(spread));
+                if (i == j) out(chunk_.deviations)[problem * P + i] = unknown ? infinity : real(__builtin_sqrt(spread));
                 if (!chunk_.covariance) continue;
                 out(chunk_.covariance)[(problem * P + i) * P + j] = covariance;
                 out(chunk_.covariance)[(problem * P + j) * P + i] = covariance;
@@ -544,8 +548,9 @@ private:
     BatchStatus status_[L] = {};
     Mask occupied_, fresh_, polished_, better_, bounded_, lost_, held_[P], fixed_[P];
     number at_[P], trial_[P], lower_[P], upper_[P];
-    number most_[P], scale_[P], last_[P];  ///< most_: of the matrix' diagonal so far; last_: Gauss and Newton's step from at_
-    Sums sums_;                            ///< at at_
+    number most_[P], scale_[P],
+        last_[P];  ///< most_: of the matrix' diagonal so far; last_: Gauss and Newton's step from at_
+    Sums sums_;    ///< at at_
     Factor factor_;
     number damping_, growth_, promised_, squares_, values_, freedom_, steps_;
     number allowance_, shortest_;  ///< what rounding leaves of errors; decrement of the last step below that
