@@ -14,15 +14,15 @@ struct ShapedArray {
     std::span<const Number> numbers;
 };
 
+/// With offsets the others have one index over all samples in place of [problems, samples].
 template <class real>
 struct ProblemArrays {
     ShapedArray<real> terms;    ///< [problems, samples, terms], or [samples, terms] where all problems have the same
     ShapedArray<real> targets;  ///< [problems, samples, values]
     std::optional<ShapedArray<real>> weights = {};     ///< [problems, samples]
-    std::optional<ShapedArray<int64_t>> offsets = {};  ///< [problems + 1]; then the others have [all samples] in place
-                                                       ///< of [problems, samples]
-    std::optional<ShapedArray<real>> starts = {};  ///< [parameters], [problems, parameters], or of several starts
-                                                   ///< [starts, problems or 1, parameters]
+    std::optional<ShapedArray<int64_t>> offsets = {};  ///< [problems + 1]
+    /// [parameters], [problems, parameters], or of several starts [starts, problems or 1, parameters].
+    std::optional<ShapedArray<real>> starts = {};
 };
 
 /// The problems that arrays of these shapes hold; an index that runs over one alone, such as the only value, may be

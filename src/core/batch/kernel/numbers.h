@@ -103,15 +103,19 @@ RADIAFIT_INLINE Wide<real> sqrt(const Wide<real>& x) {
         return y;                                                                                              \
     }
 #endif
-RADIAFIT_ONE(log)
-RADIAFIT_ONE(sin) RADIAFIT_ONE(cos) RADIAFIT_ONE(tan) RADIAFIT_ONE(atan) RADIAFIT_ONE(sinh) RADIAFIT_ONE(cosh)
-    RADIAFIT_ONE(tanh) RADIAFIT_TWO(pow)
+RADIAFIT_ONE(log);
+RADIAFIT_ONE(sin);
+RADIAFIT_ONE(cos);
+RADIAFIT_ONE(tan);
+RADIAFIT_ONE(atan);
+RADIAFIT_ONE(sinh);
+RADIAFIT_ONE(cosh);
+RADIAFIT_ONE(tanh);
+RADIAFIT_TWO(pow);
 #undef RADIAFIT_ONE
 #undef RADIAFIT_TWO
 
-        RADIAFIT_INLINE Wide<float> exp(const Wide<float>& x) {
-    return Wide<float>(lane_math::exp_of_floats(x.v));
-}
+RADIAFIT_INLINE Wide<float> exp(const Wide<float>& x) { return Wide<float>(lane_math::exp_of_floats(x.v)); }
 RADIAFIT_INLINE Wide<double> exp(const Wide<double>& x) { return Wide<double>(lane_math::exp_of_doubles(x.v)); }
 
 /// A number and its derivatives by so many parameters.
