@@ -68,7 +68,7 @@ class Viewer(ProgramTest):
             width, height = times * view["camera"]["width"], times * view["camera"]["height"]
             self.turn_to(f"view={view['number']}&bare{fragment}", width, height)
             size = ("--size", f"{width}x{height}") if times > 1 else ()
-            self.good("render", "fit", "--view", view["number"], *size, *render, "-o", "picture")
+            self.good("render", "fit", "--view", view["number"], *size, *render, "--replace", "-o", "picture")
             rendered = read_png(self.root / "picture.png")
             self.assertGreater(max(rendered[2]), 60)
             shot = self.browser.picture(lambda shot: shot[:2] == rendered[:2] and psnr(shot[2], rendered[2]) > AGREEMENT)
@@ -78,8 +78,8 @@ class Viewer(ProgramTest):
 
     def check_family(self, dataset, *options, views=5, times=1):
         """A fit's page, left open, and what is in it."""
-        self.good("fit", dataset, *options, "-o", "fit")
-        said = self.good("publish", "fit", "-o", "page").stderr
+        self.good("fit", dataset, *options, "--replace", "-o", "fit")
+        said = self.good("publish", "fit", "--replace", "-o", "page").stderr
         self.assertIn("page's pictures against the fit's", said)
         data = self.page_data("page")
         self.assertGreater(data["scores"]["fidelity"] or math.inf, 45)

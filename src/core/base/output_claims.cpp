@@ -65,7 +65,7 @@ std::string maker_of(const fs::path& output, const std::optional<MadeBy>& made, 
     if (line.empty() && !made) return "and nothing says which command made it";
     const std::string maker = line.empty() ? "radiafit " + printable(made->command) : "`" + line + "`";
     const bool alike = made && made->command == now.command;
-    return fmt::format("made by {}{}", maker, alike ? " with other options or of another input" : "");
+    return fmt::format("made by {}{}", maker, alike ? ", with other options or of another input" : "");
 }
 
 [[noreturn]] void refuse(const fs::path& output, const MadeBy& now) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -20,9 +21,9 @@ constexpr uintmax_t most_bytes_read = 32 << 20;
 
 std::string digest(const std::string& bytes) { return fmt::format("{:016x}", hash_bytes(bytes.data(), bytes.size())); }
 
-std::string digest_of_file(const fs::path& file) {
+std::string bytes_of(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
-    return digest(std::string(std::istreambuf_iterator<char>(stream), {}));
+    return std::string(std::istreambuf_iterator<char>(stream), {});
 }
 
 struct InputFile {
@@ -64,7 +65,7 @@ std::string state_of(const std::vector<InputFile>& files) {
         const auto changed = fs::last_write_time(file.path, error).time_since_epoch().count();
         const bool read = bytes <= most_bytes_read && fs::is_regular_file(file.path, error);
         all += fmt::format("{} {} {}\n", file.name, file.bytes,
-                           read ? digest_of_file(file.path) : std::to_string(changed));
+                           read ? digest(bytes_of(file.path)) : std::to_string(changed));
     }
     return digest(all);
 }
@@ -77,7 +78,13 @@ std::string input_state(const fs::path& input) {
     if (!fs::exists(status)) return input.string();
     if (!fs::is_directory(status)) return state_of({input_file(input, "")});
     for (const char* name : {"dataset.json", "fit.json"})
-        if (fs::is_regular_file(input / name, error)) return digest_of_file(input / name);
+        if (fs::is_regular_file(input / name, error)) {
+            const std::string description = bytes_of(input / name);
+            // Datasets of older versions have no checksums of their images.
+            const bool all =
+                std::string_view(name) == "fit.json" || description.find("\"checksum\"") != std::string::npos;
+            return digest(description) + (all ? "" : state_of(files_below(input)));
+        }
     return state_of(files_below(input));
 }
 
