@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -172,6 +173,21 @@ rows::Run run_ours(const Certified& problem, int start, const batch::CompiledMod
             found.steps[0]};
 }
 
+/// Standard deviations at parameters, by the derivatives there and the sum of squared residuals.
+std::vector<double> deviations_at(const Certified& problem, const batch::CompiledModel& model,
+                                  const std::vector<double>& parameters, double error) {
+    const auto n = Eigen::Index(problem.targets.size()), p = Eigen::Index(parameters.size());
+    std::vector<double> values(size_t(n), 0), derivatives(size_t(n * p), 0);
+    model.evaluate(parameters.data(), problem.terms.data(), n, values.data(), derivatives.data());
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const Eigen::MatrixXd jacobian = Eigen::Map<const Rows>(derivatives.data(), n, p);
+    const Eigen::MatrixXd r = jacobian.householderQr().matrixQR().topRows(p).triangularView<Eigen::Upper>();
+    const Eigen::MatrixXd inverse = r.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(p, p));
+    std::vector<double> out;
+    for (Eigen::Index i = 0; i < p; ++i) out.push_back(inverse.row(i).norm() * std::sqrt(error / double(n - p)));
+    return out;
+}
+
 rows::Run run_rival(const fits::CurveRival& rival, const Certified& problem, int start,
                     const batch::CompiledModel& model, int iterations) {
     const auto samples = problem.targets.size();
@@ -194,7 +210,7 @@ rows::Run run_rival(const fits::CurveRival& rival, const Certified& problem, int
             start + 1,
             digits_of(end.parameters, problem.parameters),
             digits_of(error, problem.error),
-            std::nan(""),
+            digits_of(deviations_at(problem, model, end.parameters, error), problem.deviations),
             end.converged ? "converged" : "not converged",
             end.iterations};
 }
@@ -239,8 +255,7 @@ void certified(Experiment& experiment) {
         }
         sum.digits_median = median(std::move(digits));
         solver_file.add(sum);
-        table.add({solver, setting, fmt::format("{} of {}", sum.solved, sum.starts),
-                   solver.starts_with("radiafit") ? std::to_string(sum.sigma_right) : "",
+        table.add({solver, setting, fmt::format("{} of {}", sum.solved, sum.starts), std::to_string(sum.sigma_right),
                    std::to_string(sum.wrongly_converged), fmt::format("{:.1f}", sum.digits_median)});
     }
     run_file.commit();

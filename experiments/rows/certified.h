@@ -20,7 +20,7 @@ inline const RowFileOf<Run> runs{
      {"start", key(), "1, far from the solution, or 2, nearer", &Run::start},
      {"digits", errors("{:.3g}"), "of the parameter that has the fewest right: minus the decimal logarithm of its relative error, 0 to 11, which are all that are certified", &Run::digits},
      {"error_digits", errors("{:.3g}"), "of the sum of squared residuals", &Run::error_digits},
-     {"sigma_digits", errors("{:.3g}"), "of the standard deviation that has the fewest right; nan: the solver was not asked for them", &Run::sigma_digits},
+     {"sigma_digits", errors("{:.3g}"), "of the standard deviation that has the fewest right; ours as it says them, of others by QR of the derivatives at their end", &Run::sigma_digits},
      {"ended", exact(), "converged, or what else the solver says of its end", &Run::ended},
      {"iterations", iterations(), "steps tried; of NLopt and Eigen evaluations", &Run::iterations}}};
 
@@ -35,7 +35,7 @@ inline const RowFileOf<Solver> solvers{
     {{"solver setting", key(), "", &Solver::solver, &Solver::setting},
      {"starts", work(), "of all problems", &Solver::starts},
      {"solved", exact(), "starts from which all parameters come out with 8 digits", &Solver::solved},
-     {"sigma_right", exact(), "from which all standard deviations come out with 6; of ours alone", &Solver::sigma_right},
+     {"sigma_right", exact(), "from which all standard deviations come out with 6", &Solver::sigma_right},
      {"wrongly_converged", exact(), "that it calls converged with less than 4 digits", &Solver::wrongly_converged},
      {"digits_median", errors("{:.3g}"), "over the starts", &Solver::digits_median}}};
 
