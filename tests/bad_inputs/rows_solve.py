@@ -72,6 +72,8 @@ rows += [
     (solve_table, replace(table, "a,1,3", "a,1,nan"), 0, "problems in"),
     (solve_table, replace(table, "a,1,3", "a,1,"), 0, "problems in"),
     (solve_table, replace(table, "a,1,3", "a,1,3\0"), 2, f"{table}"),
+    (solve_table + " --precision float", replace(table, "a,1,3", "a,1,1e60"), 2, f"{table}:3: y = 1e+60 is beyond what floats hold"),
+    (solve_table, replace(table, "a,1,3", "#a,1,3"), 0, "3 problems in"),
     (solve_table, remove(table), 2, f"{table}: no such file or folder"),
 ]
 
@@ -102,6 +104,8 @@ rows += [
     (solve_arrays, write("sets/even/weights.npy", npy("<f8", (2, 4), eight)), 0, "problems in"),
     (solve_arrays, write("sets/even/weights.npy", npy("<f8", (4,), eight[:32])), 2, "sets/even/weights.npy: its shape is (4,), which should be (2, 4)"),
     (solve_arrays, write("sets/even/weights.npy", npy("<f8", (2, 4), struct.pack("<8d", *range(-1, 7)))), 2, "weights: -1 is below 0"),
+    (solve_arrays, write("sets/even/weights.npy", npy("<f8", (2, 4), struct.pack("<8d", *[float("inf")] * 8))), 2, "weights: inf is not finite"),
+    (solve_arrays + " --precision float", write("sets/even/targets.npy", npy("<f8", (2, 4), struct.pack("<8d", *[1e-60] * 8))), 2, "sets/even/targets.npy: 1e-60 is beyond what floats hold"),
     (solve_arrays, write("sets/even/start.npy", npy("<f8", (3,), eight[:24])), 2, "sets/even/start.npy: its shape is (3,)", "slope, offset"),
     (solve_arrays, write("sets/even/start.npy", npy("<f8", (2, 2), eight[:32])), 0, "problems in"),
     (solve_arrays, write("sets/even/start.npy", npy("<f8", (2, 1, 2), eight[:32])), 0, "problems in"),

@@ -1,6 +1,7 @@
 // What `solve` finds of many small problems, against what is known of them without it.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -310,6 +311,68 @@ Values value(Parameters p, Terms t) { return Values(exp((p.a + p.b) * t.x)); })"
         compiled(text), Problems<double>{1, {}, 20, {terms.data(), 20}, {targets.data(), 20}, {}, {starts.data(), 2}},
         {.iterations = 1});
     EXPECT_EQ(soon.status[0], int(BatchStatus::max_iterations));
+}
+
+// A neighbour with a hole has weights, and this problem still none.
+TEST(BatchSolve, HolesOfNeighboursChangeNoBit) {
+    const Peaks<double> made(64, 3);
+    Peaks<double> holes = made;
+    for (size_t k = 1; k < made.count; k += 2) holes.targets[k * made.samples + k % made.samples] = nan_value;
+    const auto a = solve(compiled(peak), made.problems(), {}), b = solve(compiled(peak), holes.problems(), {});
+    for (size_t k = 0; k < made.count; k += 2) {
+        EXPECT_EQ(a.error[k], b.error[k]) << k;
+        for (size_t i = 0; i < 5; ++i) {
+            EXPECT_EQ(a.parameters[5 * k + i], b.parameters[5 * k + i]);
+            EXPECT_EQ(a.deviations[5 * k + i], b.deviations[5 * k + i]);
+        }
+    }
+}
+
+TEST(BatchSolve, WhatFloatsCannotHoldIsNoMinimum) {
+    const std::string text = R"(
+struct Terms { real x; };
+struct Parameters { real a, tau; };
+struct Values { real y; };
+Values value(Parameters p, Terms t) { return Values(p.a * exp(-t.x / p.tau)); })";
+    std::vector<float> terms, targets;
+    for (int i = 0; i < 20; ++i) {
+        terms.push_back(1e-15f * float(i));
+        targets.push_back(1e6f * std::exp(-terms.back() / 8e-15f));
+    }
+    const std::vector<float> starts = {8e5f, 5e-15f}, small = {1, 1};
+    EXPECT_EQ(solve(compiled<float>(text), Problems<float>{1, {}, 20, terms, targets, {}, starts}, {}).status[0],
+              int(BatchStatus::not_finite));  // the square of a derivative is infinite
+    for (float& y : targets) y *= 1e-30f;
+    for (float& x : terms) x *= 1e15f;
+    EXPECT_NE(solve(compiled<float>(text), Problems<float>{1, {}, 20, terms, targets, {}, small}, {}).steps[0], 0);
+}
+
+TEST(BatchSolve, InfiniteDerivativesCountAsNone) {
+    const std::string text = R"(
+struct Terms { real t; };
+struct Parameters { real a, tau, beta; };
+struct Values { real y; };
+Values value(Parameters p, Terms t) { return Values(p.a * exp(-pow(t.t / p.tau, p.beta))); })";
+    std::vector<double> terms, targets;
+    for (int i = 0; i < 40; ++i) terms.push_back(i), targets.push_back(3 * std::exp(-std::pow(i / 9.0, 0.7)));
+    const std::vector<double> starts = {2, 6, 0.9};
+    const auto found = solve(compiled(text), Problems<double>{1, {}, 40, terms, targets, {}, starts}, {});
+    EXPECT_EQ(found.status[0], int(BatchStatus::converged));
+    EXPECT_NEAR(found.parameters[1], 9, 1e-8);
+    EXPECT_NEAR(found.parameters[2], 0.7, 1e-9);
+}
+
+TEST(BatchModel, AKeptModelThatWasCutIsCompiledAgain) {
+    compiled(line);
+    const std::string text = line + "// once more\n";
+    const ModelText model = read_model("own.glsl", text);
+    EXPECT_GT(CompiledModel(model, Precision::double_precision).seconds(), 0);
+    EXPECT_EQ(CompiledModel(model, Precision::double_precision).seconds(), 0);
+    for (const auto& file : std::filesystem::directory_iterator(compiled_models_folder()))
+        if (file.path().extension() == ".so" && std::filesystem::last_write_time(file) + std::chrono::seconds(60) >
+                                                    std::filesystem::file_time_type::clock::now())
+            std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+    EXPECT_GT(CompiledModel(model, Precision::double_precision).seconds(), 0);
 }
 
 TEST(BatchSolve, WrongArraysAreRefused) {

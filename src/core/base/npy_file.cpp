@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <stdexcept>
 #include <string>
@@ -139,7 +140,13 @@ std::vector<T> NpyReader::read() const {
     for (uint64_t first = 0; first < out.size(); first += at_once) {
         const uint64_t count = std::min<uint64_t>(at_once, out.size() - first);
         in_.read(bytes.data(), begin_ + first * bytes_, count * bytes_);
-        for (uint64_t i = 0; i < count; ++i) out[first + i] = element_at<T>(&bytes[i * bytes_], kind_, bytes_);
+        for (uint64_t i = 0; i < count; ++i) {
+            out[first + i] = element_at<T>(&bytes[i * bytes_], kind_, bytes_);
+            if constexpr (std::is_same_v<T, float>)
+                if (const auto x = element_at<double>(&bytes[i * bytes_], kind_, bytes_);
+                    std::isfinite(x) && (!std::isfinite(out[first + i]) || (out[first + i] == 0) != (x == 0)))
+                    fail(fmt::format("{} is beyond what floats hold; fit in doubles", x));
+        }
     }
     return out;
 }

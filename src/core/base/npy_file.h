@@ -55,7 +55,8 @@ public:
     uint64_t elements() const;
     bool whole_numbers() const { return kind_ != 'f'; }
     std::string shape_text() const;  ///< "(3, 4)"
-    /// All elements. T: float or double, to which numbers are rounded; or int64_t, of whole numbers alone (UserError).
+    /// All elements. T: float or double, to which numbers are rounded (UserError for those beyond what a float holds);
+    /// or int64_t, of whole numbers alone (UserError).
     template <class T>
     std::vector<T> read() const;
 

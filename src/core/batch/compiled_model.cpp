@@ -3,10 +3,13 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +18,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/program.h"
+#include "base/read_file.h"
 #include "batch/embedded_kernel.h"
 
 namespace radiafit::batch {
@@ -107,6 +111,68 @@ std::string instructions() {
     return "";
 }
 
+std::string checksum(const std::string& bytes) {
+    return fmt::format("{:016x}", hash_bytes(bytes.data(), bytes.size()));
+}
+
+/// A folder of this user's own below the one for temporary files: what is in it is run.
+path temporary_folder() {
+    const path folder = std::filesystem::temp_directory_path() / fmt::format("radiafit-models-{}", geteuid());
+    mkdir(folder.c_str(), 0700);
+    struct stat is;
+    if (lstat(folder.c_str(), &is) != 0 || !S_ISDIR(is.st_mode) || is.st_uid != geteuid() || (is.st_mode & 022) != 0)
+        throw UserError(
+            fmt::format("{}: is no folder that only this user may write; remove it, or let XDG_CACHE_HOME name another",
+                        folder.string()));
+    return folder;
+}
+
+/// The library of this key, whose name has the checksum of its bytes, too: one that was cut or has rotted is none.
+std::optional<path> kept(const path& folder, const std::string& key) {
+    std::error_code none;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with(key + "-") && name.ends_with(".so") &&
+            name == fmt::format("{}-{}.so", key, checksum(read_file(entry.path(), "compiled model"))))
+            return entry.path();
+    }
+    return std::nullopt;
+}
+
+/// Where to compile: where models are kept, or where nobody may write there, below the folder for temporary files.
+std::unique_ptr<UnfinishedFolder> working_folder() {
+    try {
+        return std::make_unique<UnfinishedFolder>(compiled_models_folder(), "");
+    } catch (const UserError&) {
+        return std::make_unique<UnfinishedFolder>(temporary_folder(), "");
+    }
+}
+
+/// Returns the library.
+path compile(const ModelText& text, const std::string& source, const std::string& program, const std::string& key) {
+    const std::unique_ptr<UnfinishedFolder> work = working_folder();
+    if (const auto there = kept(work->path().parent_path(), key)) return *there;
+    for (const EmbeddedText& part : embedded_kernel()) {
+        const std::string_view file = part.file;
+        const path to =
+            work->path() / file.substr(std::string_view(file.starts_with("src/") ? "src/core/" : "shaders/").size());
+        std::filesystem::create_directories(to.parent_path());
+        write_file(to, part.text);
+    }
+    const path model = work->path() / "model.cpp", made = work->path() / "model.so";
+    write_file(model, source);
+    std::vector<std::string> command = {program};
+    command.insert(command.end(), std::begin(flags), std::end(flags));
+    command.insert(command.end(), {"-I", work->path().string(), "-o", made.string(), model.string(), "-lm"});
+    const Ended ended = run_program(command);
+    if (ended.status != 0) throw UserError(complaint_of(ended.message, text.name));
+    sync_to_disk(made);
+    const path library =
+        work->path().parent_path() / fmt::format("{}-{}.so", key, checksum(read_file(made, "compiled model")));
+    std::filesystem::rename(made, library);
+    return library;
+}
+
 template <class Function>
 void find(void* library, const char* name, Function*& function) {
     function = reinterpret_cast<Function*>(dlsym(library, name));
@@ -122,8 +188,8 @@ path compiled_models_folder() {
     };
     if (const std::string cache = given("XDG_CACHE_HOME"); !cache.empty()) return path(cache) / "radiafit" / "models";
     if (const std::string home = given("HOME"); !home.empty() && home != "/")
-        return path(home) / ".cache/radiafit/models";
-    return std::filesystem::temp_directory_path() / "radiafit-models";
+        return path(home) / ".cache" / "radiafit" / "models";
+    return temporary_folder();
 }
 
 CompiledModel::CompiledModel(const ModelText& text, Precision precision) : text_(text), precision_(precision) {
@@ -131,30 +197,15 @@ CompiledModel::CompiledModel(const ModelText& text, Precision precision) : text_
     std::string all = source + program + run_program({program, "-v"}).message + instructions();
     for (const EmbeddedText& part : embedded_kernel()) all += part.text;
     for (const char* flag : flags) all += flag;
-    const path folder = compiled_models_folder(),
-               library = folder / fmt::format("{:016x}.so", hash_bytes(all.data(), all.size()));
-    if (std::error_code ignored; !std::filesystem::exists(library, ignored)) {
+    const std::string key = checksum(all);
+    std::optional<path> library = kept(compiled_models_folder(), key);
+    if (!library) {
         const Stopwatch clock;
-        UnfinishedFolder work(folder, "");
-        for (const EmbeddedText& part : embedded_kernel()) {
-            const std::string_view file = part.file;
-            const path to =
-                work.path() / file.substr(std::string_view(file.starts_with("src/") ? "src/core/" : "shaders/").size());
-            std::filesystem::create_directories(to.parent_path());
-            write_file(to, part.text);
-        }
-        write_file(work.path() / "model.cpp", source);
-        std::vector<std::string> command = {program};
-        command.insert(command.end(), std::begin(flags), std::end(flags));
-        command.insert(command.end(), {"-I", work.path().string(), "-o", (work.path() / "model.so").string(),
-                                       (work.path() / "model.cpp").string(), "-lm"});
-        const Ended ended = run_program(command);
-        if (ended.status != 0) throw UserError(complaint_of(ended.message, text.name));
-        std::filesystem::rename(work.path() / "model.so", library);
+        library = compile(text, source, program, key);
         seconds_ = clock.wall_s();
     }
-    library_ = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!library_) throw SystemError(fmt::format("dlopen {} failed: {}", library.string(), dlerror()));
+    library_ = dlopen(library->c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (!library_) throw SystemError(fmt::format("dlopen {} failed: {}", library->string(), dlerror()));
     find(library_, "radiafit_storage_bytes", storage_bytes_);
     find(library_, "radiafit_solve", solve_);
     find(library_, "radiafit_evaluate", evaluate_);

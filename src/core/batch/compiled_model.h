@@ -43,8 +43,8 @@ private:
     void (*evaluate_)(const void*, const void*, long long, void*, void*) = nullptr;
 };
 
-/// $XDG_CACHE_HOME/radiafit/models or ~/.cache/radiafit/models; below the folder for temporary files where there is no
-/// home.
+/// $XDG_CACHE_HOME/radiafit/models or ~/.cache/radiafit/models; without a home, one of this user's own below the folder
+/// for temporary files. Throws UserError where that one is somebody else's.
 std::filesystem::path compiled_models_folder();
 
 }  // namespace radiafit::batch

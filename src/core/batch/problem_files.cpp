@@ -75,6 +75,12 @@ StoredProblems<real> read_exported(const path& folder, const ModelText& model) {
     return out;
 }
 
+/// Whether a number stays finite, and another than 0, as a real.
+template <class real>
+bool held_by(double x) {
+    return !std::isfinite(x) || (std::isfinite(real(x)) && (real(x) != 0) == (x != 0));
+}
+
 /// Fields of a line between commas, without blanks and quotes around them.
 std::vector<std::string> fields_of(std::string_view line) {
     std::vector<std::string> out;
@@ -99,7 +105,12 @@ template <class real>
 StoredProblems<real> read_table(const path& file, const ModelText& model) {
     TextFile text(file, "table of problems");
     std::string_view line;
-    if (!text.next_entry(line)) throw UserError(file.string() + ": empty; its first line names the columns");
+    const auto next_row = [&] {
+        while (text.next_line(line))
+            if (!line.empty()) return true;
+        return false;
+    };
+    if (!next_row()) throw UserError(file.string() + ": empty; its first line names the columns");
     const std::vector<std::string> columns = fields_of(line);
     const auto column = [&](const std::string& name) {
         return size_t(std::ranges::find(columns, name) - columns.begin());
@@ -115,7 +126,12 @@ StoredProblems<real> read_table(const path& file, const ModelText& model) {
         return out;
     };
     const std::vector<size_t> terms = require_columns(model.terms), values = require_columns(model.values);
-    const size_t weight = column("weight"), problem = column("problem");
+    // a column that the model names is that alone
+    const auto unless_named = [&](const std::string& name) {
+        return std::ranges::count(model.terms, name) || std::ranges::count(model.values, name) ? columns.size()
+                                                                                               : column(name);
+    };
+    const size_t weight = unless_named("weight"), problem = unless_named("problem");
 
     struct Rows {
         std::vector<real> terms, targets, weights;
@@ -123,7 +139,7 @@ StoredProblems<real> read_table(const path& file, const ModelText& model) {
     std::vector<Rows> rows;
     std::unordered_map<std::string, size_t> place;
     StoredProblems<real> out;
-    while (text.next_entry(line)) {
+    while (next_row()) {
         const std::vector<std::string> fields = fields_of(line);
         if (fields.size() != columns.size())
             text.fail(fmt::format("{} fields, where there are {} columns", fields.size(), columns.size()));
@@ -131,7 +147,10 @@ StoredProblems<real> read_table(const path& file, const ModelText& model) {
             const std::string& field = fields[i];
             if (field.empty() || field == "nan" || field == "NaN" || field == "NA")
                 return std::numeric_limits<real>::quiet_NaN();
-            return real(text.to_double(field, columns[i].c_str()));
+            const double number = text.to_double(field, columns[i].c_str());
+            if (!held_by<real>(number))
+                text.fail(fmt::format("{} = {} is beyond what floats hold; fit in doubles", columns[i], number));
+            return real(number);
         };
         const std::string label = problem < columns.size() ? fields[problem] : "";
         const auto [found, added] = place.try_emplace(label, rows.size());

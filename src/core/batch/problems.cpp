@@ -39,8 +39,9 @@ void check(const ModelText& model, const Problems<real>& p, const Options& o) {
     if (!shared) require_size("terms", p.terms.size(), all * T, fmt::format("{} samples of {} terms", all, T));
     if (!p.weights.empty()) require_size("weights", p.weights.size(), all, fmt::format("{} samples", all));
     for (const real w : p.weights)
-        if (w < 0)
-            throw UserError(fmt::format("weights: {} is below 0; a weight is 1 / variance, and 0 leaves out", w));
+        if (w < 0 || std::isinf(w))
+            throw UserError(fmt::format("weights: {} is {}; a weight is 1 / variance, and 0 leaves out", w,
+                                        w < 0 ? "below 0" : "not finite"));
     if (p.start_count == 0) throw UserError("starts: there are none");
     if (p.starts.size() != p.start_count * P)
         require_size("starts", p.starts.size(), p.start_count * p.count * P,
@@ -105,7 +106,7 @@ const char* meaning_of(BatchStatus status) {
                                                "no step lowers the error, yet its gradient is not zero",
                                                "at a minimum, but the samples don't determine all parameters",
                                                "has no samples",
-                                               "the error of the start is no finite number"};
+                                               "the error of the start, or its derivatives, are no finite numbers"};
     static_assert(std::size(meanings) == size_t(BatchStatus::count));
     return meanings[size_t(status)];
 }

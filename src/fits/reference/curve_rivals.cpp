@@ -124,8 +124,10 @@ CurveEnd by_gsl(const CurveProblem& problem, int iterations, const gsl_multifit_
     functions.params = const_cast<CurveProblem*>(&problem);
     functions.f = [](const gsl_vector* x, void* of, gsl_vector* f) {
         static_cast<const CurveProblem*>(of)->evaluate(x->data, f->data, nullptr);
-        return std::all_of(f->data, f->data + f->size, [](double r) { return std::isfinite(r); }) ? int(GSL_SUCCESS)
-                                                                                                  : int(GSL_EDOM);
+        // GSL gives up where a function fails, but rejects a step to far worse
+        std::replace_if(
+            f->data, f->data + f->size, [](double r) { return !std::isfinite(r); }, 1e150);
+        return int(GSL_SUCCESS);
     };
     functions.df = [](const gsl_vector* x, void* of, gsl_matrix* jacobian) {
         std::vector<double> r(jacobian->size1);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <vector>
 
 #include "reference/curve_rivals.h"
 
@@ -22,6 +23,7 @@ public:
         function_.residuals = residuals;
         function_.of = of;
         function_.evaluate = evaluate;
+        function_.known = false;
         function_.rows.resize(residuals, parameters);
         Eigen::Matrix<double, parameters, 1> x;
         std::copy_n(p, parameters, x.data());
@@ -34,14 +36,24 @@ private:
         using Scalar = double;
         enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = parameters };
         int residuals = 0;
+        mutable bool known = false;  ///< what follows, at `at`
+        mutable double at[parameters];
+        mutable std::vector<double> residual;
         const void* of = nullptr;
         void (*evaluate)(const void*, const double*, double*, double*) = nullptr;
         mutable Eigen::Matrix<double, Eigen::Dynamic, parameters, parameters == 1 ? Eigen::ColMajor : Eigen::RowMajor>
             rows;
 
         int NumResiduals() const { return residuals; }
+        // It asks for residuals first, and for derivatives again at the same place: both are computed once.
         bool operator()(const double* p, double* r, double* jacobian) const {
-            evaluate(of, p, r, jacobian ? rows.data() : nullptr);
+            if (!known || !std::equal(p, p + parameters, at)) {
+                residual.resize(size_t(residuals));
+                evaluate(of, p, residual.data(), rows.data());
+                std::copy_n(p, parameters, at);
+                known = true;
+            }
+            std::ranges::copy(residual, r);
             if (jacobian)
                 Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, parameters>>(jacobian, residuals, parameters) = rows;
             return true;

@@ -126,7 +126,10 @@ void solve_files(const SolveCommand& command, const Invocation& invocation) {
     folder.write<int32_t>("iterations", {n}, solution.steps, "steps tried, of the best start");
     folder.write<int64_t>("samples", {n}, solution.samples, "that are not missing");
     if (!problems.labels.empty()) write_table(folder.path() / "solution.csv", text, problems, solution);
-    const auto json = [](const auto& value) { return nlohmann::ordered_json(value).dump(); };
+    const auto json = [](const auto& value) {
+        using Json = nlohmann::ordered_json;  // a model's comments may be in another encoding than UTF-8
+        return Json(value).dump(-1, ' ', false, Json::error_handler_t::replace);
+    };
     const std::vector<size_t> counts = solution.counts();
     folder.tell("model", json(text.text));
     folder.tell("parameters", json(text.parameters));

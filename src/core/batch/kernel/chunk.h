@@ -12,7 +12,7 @@ enum class BatchStatus : int {
     stalled,          ///< no step lowers the error, yet its gradient is not zero
     underdetermined,  ///< at a minimum, but the samples don't determine all parameters
     no_samples,
-    not_finite,  ///< the error of the start is not finite
+    not_finite,  ///< the error of the start, or its derivatives, are not finite
     count
 };
 

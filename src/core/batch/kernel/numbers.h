@@ -185,7 +185,7 @@ struct Jet {
     RADIAFIT_INLINE friend Jet abs(const Jet& a) { return select(a.v < number(0), -a, a); }
     RADIAFIT_INLINE friend Jet sqrt(const Jet& a) {
         const number y = sqrt(a.v);
-        return of(y, number(0.5) / y, a);
+        return of(y, number::select(y > number(0), number(0.5) / y, number(0)), a);
     }
     RADIAFIT_INLINE friend Jet exp(const Jet& a) {
         const number y = exp(a.v);
@@ -205,11 +205,13 @@ struct Jet {
         const number y = tanh(a.v);
         return of(y, number(1) - y * y, a);
     }
-    /// a^b with a > 0; of a = 0 the derivative by b is 0.
+    /// a^b with a > 0; of a = 0 derivatives that are not finite count as 0, as that of sqrt does.
     RADIAFIT_INLINE friend Jet pow(const Jet& a, const Jet& b) {
         const number y = pow(a.v, b.v);
         const number by_exponent = number::select(a.v > number(0), y * log(a.v), number(0));
-        return of(y, b.v * pow(a.v, b.v - number(1)), a, by_exponent, b);
+        const number by_base =
+            number::select((a.v > number(0)) | (b.v >= number(1)), b.v * pow(a.v, b.v - number(1)), number(0));
+        return of(y, by_base, a, by_exponent, b);
     }
 };
 

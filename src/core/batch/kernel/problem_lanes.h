@@ -60,6 +60,7 @@ class ProblemLanes {
     static constexpr bool is_double = sizeof(real) == 8;
     static constexpr real epsilon = is_double ? real(2.220446e-16) : real(1.1920929e-7);
     static constexpr real infinity = real(__builtin_inf());
+    static constexpr real least_normal = is_double ? real(2.3e-308) : real(1.2e-38);
     static constexpr real least_pivot = (is_double ? 4 : 16) * P * epsilon;  ///< of a matrix whose diagonal is 1
 
     /// At some parameters: 1/2 sum of w r^2, its gradient, and Gauss and Newton's matrix.
@@ -161,16 +162,20 @@ private:
         return true;
     }
 
-    // The next problem that has samples, from the next of its starts; or none.
+    // The problem again from its next start; or the next problem that has samples; or none.
     void take_next(int lane) {
+        const bool again = problem_[lane] >= 0 && start_[lane] + 1 < chunk_.start_count;
+        long long same = again ? problem_[lane] : -1;
         problem_[lane] = -1;
         occupied_[lane] = fresh_[lane] = 0;
-        while (next_ < chunk_.count) {
-            const long long problem = chunk_.first + next_, from = next_start_;
-            if (++next_start_ == chunk_.start_count) next_start_ = 0, ++next_;
+        while (same >= 0 || next_ < chunk_.count) {
+            const bool loaded = same >= 0;
+            const long long problem = loaded ? same : chunk_.first + next_++, from = loaded ? start_[lane] + 1 : 0;
+            same = -1;
+            start_[lane] = from;
             const real* start =
                 reals(chunk_.starts) + (from * chunk_.starts_of_each + (chunk_.starts_of_each > 1 ? problem : 0)) * P;
-            load_samples(lane, problem);
+            if (!loaded) load_samples(lane, problem);
             if (count_[lane] == 0) {
                 without_samples(problem, start);
                 continue;
@@ -296,18 +301,19 @@ private:
             Model::value(p, t, y);
             number weight(1), residual[Y], squared(0);
             if constexpr (!even) weight = load(row + (width - 1) * L);
+            // with a weight of 1 rounded as without one, so that what stands in other lanes makes no difference
+            number& sum = loss == BatchLoss::square ? sums.error : squared;
 #pragma GCC unroll 4
             for (int c = 0; c < Y; ++c) {
                 residual[c] = y[c].v - load(row + (terms_in_row + c) * L);
-                squared += residual[c] * residual[c];
+                const number weighted = even ? residual[c] : weight * residual[c];
+                sum += weighted * residual[c];
             }
-            if constexpr (!even) squared *= weight;
-            if constexpr (loss == BatchLoss::square)
-                sums.error += squared;
-            else if constexpr (loss == BatchLoss::huber) {
+            if constexpr (loss == BatchLoss::huber) {
                 sums.error += LossOf<number>::huber_value(squared, scale);
                 weight *= LossOf<number>::huber_weight(squared, scale);
-            } else {
+            }
+            if constexpr (loss == BatchLoss::cauchy) {
                 sums.error += LossOf<number>::cauchy_value(squared, scale);
                 weight *= LossOf<number>::cauchy_weight(squared, scale);
             }
@@ -327,7 +333,8 @@ private:
 
     // Moves to the trial where it is better; elsewhere the damping grows. Returns lanes whose start is not finite.
     Mask accept(const Sums& trial) {
-        const Mask whole = finite(trial.error);
+        Mask whole = finite(trial.error) & finite(squares_);
+        for (int i = 0; i < P; ++i) whole &= fixed_[i] | (finite(trial.gradient[i]) & finite(trial.matrix[at(i, i)]));
         better_ = occupied_ & (fresh_ | (whole & (trial.error < sums_.error + allowance_)));
         const number x = number(2) * (sums_.error - trial.error) / promised_ - number(1);
         const number factor = min(max(number(1) - x * x * x, number(1.0 / 3)), number(2));
@@ -447,7 +454,9 @@ private:
         freedom_ = values_ - free;
         const number variance = number(2) * error / max(freedom_, number(1));
         const Mask small = decrement <= number(real(chunk_.tolerance * chunk_.tolerance)) * variance;
-        const Mask exact = error <= number(32 * epsilon * epsilon) * squares_;
+        const number floor =
+            number(32 * epsilon * epsilon) * squares_;  // of exact samples; below all numbers it says nothing
+        const Mask exact = (error <= floor) & (floor > number(least_normal));
         // near the minimum on until steps no longer become shorter
         const Mask settled = near & (stays | (polished_ & (decrement > number(0.5) * shortest_)));
         polished_ |= near;
@@ -463,6 +472,10 @@ private:
                                     : stalled[lane] ? BatchStatus::stalled
                                                     : BatchStatus::max_iterations;
         return ended;
+    }
+
+    static bool is_minimum(BatchStatus status) {
+        return status == BatchStatus::converged || status == BatchStatus::at_bound;
     }
 
     // What a minimum is called. A parameter that no sample depends on is not determined.
@@ -492,16 +505,19 @@ private:
         const bool finite_start = status_[lane] != BatchStatus::not_finite;
         const real error = 2 * sums_.error.v[lane];
         const bool first = chunk_.status[problem] == int(BatchStatus::no_samples);
-        const bool worse = !first && (!finite_start || !(error < out(chunk_.error)[problem]));
-        if (worse) return;
+        // a minimum is no worse than what another start left unfinished a little below it
+        const real best = out(chunk_.error)[problem];
+        const real slack = !first && is_minimum(BatchStatus(chunk_.status[problem])) && !is_minimum(status_[lane])
+                               ? real(1e-6)
+                               : real(0);
+        if (!first && (!finite_start || !(error < best - slack * best))) return;
         chunk_.status[problem] = int(status_[lane]);
         chunk_.steps[problem] = int(steps_.v[lane]);
         chunk_.seen[problem] = count_[lane];
         out(chunk_.error)[problem] = finite_start ? error : infinity;
-        const bool at_minimum = status_[lane] == BatchStatus::converged || status_[lane] == BatchStatus::at_bound;
         for (int i = 0; i < P; ++i) {
             real x = at_[i].v[lane];
-            if (at_minimum && !held_[i][lane]) {  // the last step, too short to be tried
+            if (is_minimum(status_[lane]) && !held_[i][lane]) {  // the last step, too short to be tried
                 x -= last_[i].v[lane];
                 if (x < lower_[i].v[lane]) x = lower_[i].v[lane];
                 if (x > upper_[i].v[lane]) x = upper_[i].v[lane];
@@ -525,7 +541,9 @@ private:
             for (int j = chunk_.covariance ? 0 : i; j <= i; ++j) {
                 real sum = 0;
                 for (int k = i; k < P; ++k) sum += inverse[k][i] * inverse[k][j];
-                const bool unknown = !known && !chunk_.fixed[i] && !chunk_.fixed[j];
+                const bool unseen = !(sums_.matrix[at(i, i)].v[lane] > 0);  // no sample depends on it
+                const bool unknown =
+                    (!known && !chunk_.fixed[i] && !chunk_.fixed[j]) || (unseen && !chunk_.fixed[i] && i == j);
                 const real spread = variance * sum * scale_[i].v[lane] * scale_[j].v[lane];
                 const real covariance = !unknown ? spread : i == j ? infinity : real(0);
                 if (i == j) out(chunk_.deviations)[problem * P + i] = unknown ? infinity : real(__builtin_sqrt(spread));
@@ -540,11 +558,12 @@ private:
     real* rows_;              ///< [samples][row_][lanes]
     real* shared_ = nullptr;  ///< [samples][T] terms of all problems
     long long filled_ = 0;    ///< rows that hold numbers in every lane
-    long long next_ = 0, next_start_ = 0;
+    long long next_ = 0;      ///< of the chunk's problems
 
     // Of the problem in each lane.
-    long long problem_[L], count_[L] = {}, length_[L] = {};  ///< its samples, without and with those that are missing
-    bool even_[L] = {};                                      ///< none is missing, and all weigh 1
+    long long problem_[L], start_[L] = {};      ///< and from which of its starts
+    long long count_[L] = {}, length_[L] = {};  ///< its samples, without and with those that are missing
+    bool even_[L] = {};                         ///< none is missing, and all weigh 1
     BatchStatus status_[L] = {};
     Mask occupied_, fresh_, polished_, better_, bounded_, lost_, held_[P], fixed_[P];
     number at_[P], trial_[P], lower_[P], upper_[P];
