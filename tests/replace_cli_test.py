@@ -8,6 +8,7 @@ import time
 import unittest
 
 from cli_fixture import ProgramTest, snapshot, take_arguments, write_capture, write_points
+from bad_inputs.fixtures import write_sets
 from exchange_fixture import ptm_file
 
 # Name of the case: a command, and options of another whose output differs. OUT is what -o names.
@@ -33,6 +34,7 @@ COMMANDS = {
     "render --all": ("render star-fit --all held-out -o OUT", "--size 40x30"),
     "render --raking": ("render flat-fit --raking 15 --directions 2 -o OUT", "--enhance specular"),
     "render --video": ("render star-fit --turntable 3 --video OUT.mp4", "--size 40x30"),
+    "solve": ("solve lines.csv --model line.glsl --start slope=1,offset=0 -o OUT", "--fix offset"),
     "publish": ("publish star-fit -o OUT", "--views 2"),
     "publish --single-file": ("publish star-fit --single-file -o OUT.html", "--views 2"),
 }
@@ -56,6 +58,9 @@ class Replace(ProgramTest):
         cls.good("fit", "star", "--model", "lfm", "--iterations", 1, "-o", "star-fit")
         cls.good("fit", "flat-set", "--model", "lafortune", "-o", "flat-fit")
         cls.good("capture", "depths", "--model", "capture/sparse", "--images", "capture/images", "-o", "depths")
+        write_sets(cls.root / "sets")
+        for name in ("line.glsl", "lines.csv"):
+            shutil.copy(cls.root / "sets" / name, cls.root)
         for i in (1, 2):
             cls.good("fit", "star", "--model", "lfm", "--iterations", 1, "--shard", f"{i}/2", "-o", f"shard{i}")
 

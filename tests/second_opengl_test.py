@@ -23,7 +23,7 @@ class SecondOpenGl(ProgramTest):
         cls.zink = zink.environment()
 
     def psnr(self, dataset, *options, environment=None):
-        self.good("fit", dataset, *options, "-o", "fit", environment=environment)
+        self.good("fit", dataset, *options, "-o", "fit", "--replace", environment=environment)
         return json.loads(self.good("judge", "fit", "--json").stdout)["psnr"]
 
     def test_devices_are_told(self):

@@ -1,5 +1,6 @@
 // What `solve` finds of many small problems, against what is known of them without it.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include <map>
 #include <numeric>
 #include <random>
+#include <set>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -19,12 +21,18 @@ namespace {
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
+struct OwnFolder {
+    std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("radiafit-batch-" + std::to_string(getpid()));
+    ~OwnFolder() { std::filesystem::remove_all(path); }
+};
+
 /// Compiled once for all tests; into a folder of their own, so that they don't see what a user has.
 template <class real = double>
 const CompiledModel& compiled(const std::string& text) {
     static const bool ready = [] {
-        const auto folder = std::filesystem::temp_directory_path() / "radiafit-batch-test";
-        setenv("XDG_CACHE_HOME", folder.c_str(), 1);
+        static const OwnFolder folder;
+        setenv("XDG_CACHE_HOME", folder.path.c_str(), 1);
         return true;
     }();
     static std::map<std::pair<std::string, size_t>, std::unique_ptr<CompiledModel>> all;
@@ -364,14 +372,19 @@ Values value(Parameters p, Terms t) { return Values(p.a * exp(-pow(t.t / p.tau, 
 
 TEST(BatchModel, AKeptModelThatWasCutIsCompiledAgain) {
     compiled(line);
-    const std::string text = line + "// once more\n";
-    const ModelText model = read_model("own.glsl", text);
+    const auto kept = [] {
+        std::set<std::filesystem::path> files;
+        for (const auto& file : std::filesystem::directory_iterator(compiled_models_folder()))
+            files.insert(file.path());
+        return files;
+    };
+    const auto now = std::chrono::system_clock::now().time_since_epoch().count();
+    const ModelText model = read_model("own.glsl", line + "// at " + std::to_string(now) + "\n");
+    const std::set<std::filesystem::path> before = kept();
     EXPECT_GT(CompiledModel(model, Precision::double_precision).seconds(), 0);
     EXPECT_EQ(CompiledModel(model, Precision::double_precision).seconds(), 0);
-    for (const auto& file : std::filesystem::directory_iterator(compiled_models_folder()))
-        if (file.path().extension() == ".so" && std::filesystem::last_write_time(file) + std::chrono::seconds(60) >
-                                                    std::filesystem::file_time_type::clock::now())
-            std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+    for (const auto& file : kept())
+        if (!before.contains(file)) std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
     EXPECT_GT(CompiledModel(model, Precision::double_precision).seconds(), 0);
 }
 

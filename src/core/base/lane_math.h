@@ -2,29 +2,18 @@
 #include <cstdint>
 
 /// e^x and ln x of lanes side by side, V a vector of floats or doubles (GCC's vector_size), without calls. Sums and
-/// products of lanes alone, so that the same text serves vectors of any width.
+/// products of lanes alone, so that the same text serves vectors of any width. Results go to y: what returns a vector
+/// depends on the instructions that a program is compiled for.
 namespace radiafit::lane_math {
-
-template <class V>
-[[gnu::always_inline]] inline V max(const V& a, const V& b) {
-    return a < b ? b : a;
-}
-template <class V>
-[[gnu::always_inline]] inline V min(const V& a, const V& b) {
-    return b < a ? b : a;
-}
-template <class V, class Number>
-[[gnu::always_inline]] inline V all(Number x) {
-    return V{} + x;
-}
 
 /// e^x of floats within 2 units in the last place (relative error 2e-7) where e^x is a normal float; beyond, x counts
 /// as the nearest such: never zero, never infinite. NaN stays NaN.
 template <class V>
-[[gnu::always_inline]] inline V exp_of_floats(const V& x) {
+[[gnu::always_inline]] inline void exp_of_floats(const V& x, V& y) {
     typedef uint32_t Bits __attribute__((vector_size(sizeof(V))));
     // x = k ln 2 + r, |r| <= ln 2 / 2; ln 2 in two parts, the first with few enough bits that k times it is exact
-    const V bounded = min(max(x, all<V>(-87.33f)), all<V>(88.37f));
+    const V least = V{} - 87.33f, most = V{} + 88.37f;
+    const V above = x < least ? least : x, bounded = most < above ? most : above;
     const V shifted = bounded * 1.44269504f + 12582912.0f;  // 1.5 * 2^23 rounds to a whole number
     const V k = shifted - 12582912.0f;
     const V r = (bounded - k * 0.693359375f) + k * 2.12194440e-4f;
@@ -34,13 +23,13 @@ template <class V>
     const V odd = 8.368716879e-3f * r2 + 1.666652063e-1f;
     const V power = (odd * r + even) * r2 + r + 1.0f;
     const Bits whole = (Bits)shifted << 23;  // what 12582912 adds is shifted out
-    return (V)((Bits)power + whole);
+    y = (V)((Bits)power + whole);
 }
 
 /// ln x of floats within 2 units in the last place (relative error 2e-7) for normal positive x; of any other x, some
 /// finite number.
 template <class V>
-[[gnu::always_inline]] inline V log_of_floats(const V& x) {
+[[gnu::always_inline]] inline void log_of_floats(const V& x, V& y) {
     typedef uint32_t Bits __attribute__((vector_size(sizeof(V))));
     typedef int32_t Ints __attribute__((vector_size(sizeof(V))));
     // x = 2^k m, sqrt(1/2) <= m < sqrt(2)
@@ -52,14 +41,15 @@ template <class V>
     const V low = (3.333333171e-1f + f * -2.500082103e-1f) + f2 * (2.000122688e-1f + f * -1.662335739e-1f);
     const V high = (1.420175797e-1f + f * -1.316018192e-1f) + f2 * (1.276157712e-1f + f * -7.634497869e-2f);
     const V tail = f2 * (f * (high * f4 + low) - 0.5f) - k * 2.12194440e-4f;
-    return (tail + f) + k * 0.693359375f;
+    y = (tail + f) + k * 0.693359375f;
 }
 
 /// e^x of doubles within 2 units in the last place where e^x is a normal double; beyond as that of floats.
 template <class V>
-[[gnu::always_inline]] inline V exp_of_doubles(const V& x) {
+[[gnu::always_inline]] inline void exp_of_doubles(const V& x, V& y) {
     typedef uint64_t Bits __attribute__((vector_size(sizeof(V))));
-    const V bounded = min(max(x, all<V>(-708.3)), all<V>(709.4));
+    const V least = V{} - 708.3, most = V{} + 709.4;
+    const V above = x < least ? least : x, bounded = most < above ? most : above;
     const V shifted = bounded * 1.4426950408889634 + 6755399441055744.0;  // 1.5 * 2^52
     const V k = shifted - 6755399441055744.0;
     const V r = (bounded - k * 6.93147180369123816490e-1) - k * 1.90821492927058770002e-10;
@@ -72,7 +62,7 @@ template <class V>
                 r2 * (2.08767569878680990e-9 + r * 1.60590438368216146e-10);
     const V power = (r2 * (a + r4 * (b + r4 * c)) + r) + 1.0;
     const Bits whole = (Bits)shifted << 52;
-    return (V)((Bits)power + whole);
+    y = (V)((Bits)power + whole);
 }
 
 }  // namespace radiafit::lane_math

@@ -81,7 +81,15 @@ inline WidePack widen(const Pack& x) { return WidePack(__builtin_convertvector(x
 inline Pack narrow(const WidePack& x) { return Pack(__builtin_convertvector(x.v, Pack::Vector)); }
 
 /// base/lane_math.h.
-inline Pack exp(const Pack& x) { return Pack(lane_math::exp_of_floats(x.v)); }
-inline Pack log(const Pack& x) { return Pack(lane_math::log_of_floats(x.v)); }
+inline Pack exp(const Pack& x) {
+    Pack y;
+    lane_math::exp_of_floats(x.v, y.v);
+    return y;
+}
+inline Pack log(const Pack& x) {
+    Pack y;
+    lane_math::log_of_floats(x.v, y.v);
+    return y;
+}
 
 }  // namespace radiafit

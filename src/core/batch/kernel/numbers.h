@@ -115,8 +115,16 @@ RADIAFIT_TWO(pow);
 #undef RADIAFIT_ONE
 #undef RADIAFIT_TWO
 
-RADIAFIT_INLINE Wide<float> exp(const Wide<float>& x) { return Wide<float>(lane_math::exp_of_floats(x.v)); }
-RADIAFIT_INLINE Wide<double> exp(const Wide<double>& x) { return Wide<double>(lane_math::exp_of_doubles(x.v)); }
+RADIAFIT_INLINE Wide<float> exp(const Wide<float>& x) {
+    Wide<float> y;
+    lane_math::exp_of_floats(x.v, y.v);
+    return y;
+}
+RADIAFIT_INLINE Wide<double> exp(const Wide<double>& x) {
+    Wide<double> y;
+    lane_math::exp_of_doubles(x.v, y.v);
+    return y;
+}
 
 /// A number and its derivatives by so many parameters.
 template <class number, int count>
