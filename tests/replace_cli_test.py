@@ -7,8 +7,8 @@ import shutil
 import time
 import unittest
 
-from cli_fixture import ProgramTest, snapshot, take_arguments, write_capture, write_points
 from bad_inputs.fixtures import write_sets
+from cli_fixture import ProgramTest, snapshot, take_arguments, write_capture, write_points
 from exchange_fixture import ptm_file
 
 # Name of the case: a command, and options of another whose output differs. OUT is what -o names.

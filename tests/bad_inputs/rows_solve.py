@@ -26,7 +26,7 @@ rows += [
     (f"solve {table} --model {text} -o new --start slope", None, 2, "start = 'slope': write NAME=VALUE"),
     (f"solve {table} --model {text} -o new --start slop=1,offset=0", None, 2, "slop", "slope, offset"),
     (f"solve {table} --model {text} -o new --start slope=one,offset=0", None, 2, "start slope = 'one'"),
-    (f"solve {table} --model {text} -o new --start slope=nan,offset=0", None, 2, "start slope = 'nan'"),
+    (f"solve {table} --model {text} -o new --start slope=nan,offset=0", None, 2, "start slope = nan"),
     (solve_table + " --lower slope=2 --upper slope=1", None, 2, "bounds of slope: from 2 to 1"),
     (solve_table + " --lower gain=2", None, 2, "gain", "slope, offset"),
     (solve_table + " --upper slope=high", None, 2, "upper slope = 'high'"),
