@@ -27,6 +27,7 @@ set xtics () rotate by 20 right
 do for [i=1:words(names)] { set xtics add (shown(word(names, i)) i) }
 set key top right
 set boxwidth 0.26
+set lmargin 16
 set style fill solid
 pick(solver, precision) = strcol('solver') eq solver && strcol('precision') eq precision && column('threads') == most ? column('fits_per_second') : NaN
 plot fits using (group(0) - 0.28):(pick('radiafit solve', 'float')) with boxes lc rgb '#0072b2' title 'radiafit solve, floats', \
