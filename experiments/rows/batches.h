@@ -14,7 +14,7 @@ struct Fits {
 };
 inline const RowFileOf<Fits> fits{
     "fits.csv",
-    "One row for each problem, solver, precision and number of threads. All stop where the error is within about 1e-6 of the least; TinySolver gets the compiled model's residuals and derivatives, "
+    "One row for each problem, solver, precision and number of threads. arrived_share says whether they end at equal errors; TinySolver gets the compiled model's residuals and derivatives, "
     "samples side by side.",
     {{"problem", key(), "gaussian peak, elliptic peak, decay or lafortune", &Fits::problem},
      {"samples", key(), "of each fit", &Fits::samples},

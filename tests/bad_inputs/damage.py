@@ -3,6 +3,7 @@ import json
 import os
 import re
 import shutil
+import zlib
 
 GONE = object()  # a JSON field that is taken away
 
@@ -76,7 +77,8 @@ def append(path, data):
 def write(path, data):
     """A file of these bytes, or this text, in its place."""
     data = data.encode("utf-8", "surrogateescape") if isinstance(data, str) else data
-    return _in_place_of(f"= {data[:60]!r}", path, lambda file: file.write_bytes(data))
+    words = f"= {data[:60]!r}" + (f" and {len(data) - 60} bytes, checksum {zlib.crc32(data):08x}" if len(data) > 60 else "")
+    return _in_place_of(words, path, lambda file: file.write_bytes(data))
 
 
 def remove(path):

@@ -122,10 +122,3 @@ rows += [
     (solve_ragged, append("sets/ragged/offsets.npy", "more"), 0, "problems in"),
     (solve_ragged, patch("sets/ragged/targets.npy", -8, struct.pack("<d", float("nan"))), 0, "problems in"),
 ]  # fmt: skip
-
-# Rows whose damages look alike where they are told
-told = set()
-for i, (command, damage, status, *words) in enumerate(rows):
-    if (command, str(damage)) in told:
-        rows[i] = (f"{command} --iterations {300 + i}", damage, status, *words)
-    told.add((command, str(damage)))

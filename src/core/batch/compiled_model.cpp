@@ -34,7 +34,7 @@ std::string compiler() {
         "no C++ compiler: a model's text is compiled on this machine; install one, such as Debian's package g++");
 }
 
-/// Constants of `-ffast-math` that leave sums in their order: products with derivatives that are zero go.
+/// Parts of `-ffast-math` that leave sums in their order: by them products with derivatives that are zero go.
 constexpr const char* flags[] = {"-std=c++20",        "-O3",
                                  "-march=native",     "-fPIC",
                                  "-shared",           "-w",
