@@ -183,13 +183,12 @@ StoredProblems<real> read_problems(const path& input, const ModelText& model, co
     StoredProblems<real> out = read(input, model);
     const size_t parameters = model.parameters.size();
     if (out.starts.empty()) out.starts.assign(parameters, std::numeric_limits<real>::quiet_NaN());
+    const std::vector<double> given = of_parameters(model, "start", start, std::numeric_limits<double>::quiet_NaN());
     std::vector<std::string> missing;
     for (size_t i = 0; i < parameters; ++i) {
-        const auto given = start.find(model.parameters[i]);
-        if (given != start.end())
-            for (size_t k = i; k < out.starts.size(); k += parameters) out.starts[k] = real(given->second);
-        else if (std::isnan(out.starts[i]) && out.starts.size() == parameters)
-            missing.push_back(model.parameters[i]);
+        for (size_t k = i; !std::isnan(given[i]) && k < out.starts.size(); k += parameters)
+            out.starts[k] = real(given[i]);
+        if (out.starts.size() == parameters && std::isnan(out.starts[i])) missing.push_back(model.parameters[i]);
     }
     if (!missing.empty()) {
         const std::string names = fmt::format("{}", fmt::join(missing, ", "));

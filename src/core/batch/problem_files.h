@@ -1,6 +1,5 @@
 #pragma once
 #include <filesystem>
-#include <map>
 #include <string>
 
 #include "batch/problems.h"
@@ -19,9 +18,6 @@ struct StoredProblems {
 
     Problems<real> arrays() const { return {count, offsets, samples, terms, targets, weights, starts, start_count}; }
 };
-
-/// Values by parameter, such as {"width", 2}.
-using ByName = std::map<std::string, double>;
 
 /// Of a folder: terms.npy, targets.npy, and where there are any weights.npy, offsets.npy, start.npy (docs/solve.md). Of
 /// a folder that `export problems` wrote of texels: these, the terms being named u_x, u_y, u_z (to the lamp), v_x, v_y,

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 
+#include "base/choose.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
@@ -78,6 +79,28 @@ template <class real>
 std::vector<size_t> Solution<real>::counts() const {
     std::vector<size_t> out(size_t(BatchStatus::count));
     for (const int32_t s : status) ++out[size_t(s)];
+    return out;
+}
+
+namespace {
+size_t place_of(const ModelText& model, const std::string& what, const std::string& name) {
+    const auto found = std::ranges::find(model.parameters, name);
+    if (found == model.parameters.end()) reject_name(what, name, model.parameters);
+    return size_t(found - model.parameters.begin());
+}
+}  // namespace
+
+std::vector<double> of_parameters(const ModelText& model, const std::string& what, const ByName& named,
+                                  double without) {
+    std::vector<double> out(model.parameters.size(), without);
+    for (const auto& [name, value] : named) out[place_of(model, what, name)] = value;
+    return out;
+}
+
+std::vector<bool> among_parameters(const ModelText& model, const std::string& what,
+                                   const std::vector<std::string>& names) {
+    std::vector<bool> out(model.parameters.size());
+    for (const std::string& name : names) out[place_of(model, what, name)] = true;
     return out;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <utility>
@@ -53,6 +54,15 @@ struct Solution {
 
     std::vector<size_t> counts() const;  ///< by BatchStatus
 };
+
+/// Values by parameter, such as {"width", 2}.
+using ByName = std::map<std::string, double>;
+/// [parameters] of these, `without` where a parameter is not named. Throws UserError for a name that is none; `what` is
+/// theirs in messages.
+std::vector<double> of_parameters(const ModelText& model, const std::string& what, const ByName& named, double without);
+/// [parameters] whether each is named; likewise.
+std::vector<bool> among_parameters(const ModelText& model, const std::string& what,
+                                   const std::vector<std::string>& names);
 
 /// By name, for options.
 const std::vector<std::pair<std::string, BatchLoss>>& batch_losses();

@@ -9,13 +9,13 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "base/atomic_file.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "batch/problem_files.h"
 #include "cli/commands.h"
 #include "fitting/problem_folder.h"
+#include "report/csv.h"
 
 namespace radiafit::tools {
 namespace {
@@ -35,41 +35,25 @@ constexpr Range<int> iteration_range{0, 1'000'000};
 constexpr Range<double> tolerance_range{0, 1, "0 is by the precision"};
 constexpr Range<double> scale_range{1e-30, 1e30};
 
+/// What stands between the commas of texts.
+std::vector<std::string> parts_of(const std::vector<std::string>& texts) {
+    std::vector<std::string> out;
+    for (const std::string& text : texts) {
+        std::istringstream parts(text);
+        for (std::string part; std::getline(parts, part, ',');) out.push_back(part);
+    }
+    return out;
+}
+
 /// "a=1,b=2" of each text, as values by name.
-batch::ByName by_name(const std::string& option, const std::vector<std::string>& texts, const batch::ModelText& model) {
+batch::ByName by_name(const std::string& option, const std::vector<std::string>& texts) {
     batch::ByName out;
-    for (const std::string& text : texts) {
-        std::istringstream parts(text);
-        for (std::string part; std::getline(parts, part, ',');) {
-            const size_t equals = part.find('=');
-            if (equals == std::string::npos)
-                throw UserError(fmt::format("{} = '{}': write NAME=VALUE, between commas", option, text));
-            const std::string name = part.substr(0, equals);
-            if (!std::ranges::count(model.parameters, name)) reject_name(option, name, model.parameters);
-            out[name] = parse_number(option + " " + name, part.substr(equals + 1), Range<double>{-huge, huge});
-        }
-    }
-    return out;
-}
-
-std::vector<double> bounds_of(const batch::ByName& named, const batch::ModelText& model, double without) {
-    std::vector<double> out;
-    for (const std::string& name : model.parameters) {
-        const auto found = named.find(name);
-        out.push_back(found == named.end() ? without : found->second);
-    }
-    return out;
-}
-
-std::vector<bool> fixed_of(const std::vector<std::string>& texts, const batch::ModelText& model) {
-    std::vector<bool> out(model.parameters.size());
-    for (const std::string& text : texts) {
-        std::istringstream parts(text);
-        for (std::string name; std::getline(parts, name, ',');) {
-            const auto found = std::ranges::find(model.parameters, name);
-            if (found == model.parameters.end()) reject_name("fix", name, model.parameters);
-            out[size_t(found - model.parameters.begin())] = true;
-        }
+    for (const std::string& part : parts_of(texts)) {
+        const size_t equals = part.find('=');
+        if (equals == std::string::npos)
+            throw UserError(fmt::format("{} = '{}': write NAME=VALUE, between commas", option, part));
+        const std::string name = part.substr(0, equals);
+        out[name] = parse_number(option + " " + name, part.substr(equals + 1), Range<double>{-huge, huge});
     }
     return out;
 }
@@ -77,19 +61,20 @@ std::vector<bool> fixed_of(const std::vector<std::string>& texts, const batch::M
 template <class real>
 void write_table(const std::filesystem::path& file, const batch::ModelText& model,
                  const batch::StoredProblems<real>& problems, const batch::Solution<real>& solution) {
-    std::string text = "problem";
-    for (const std::string& name : model.parameters) text += fmt::format(",{},sigma_{}", name, name);
-    text += ",error,samples,iterations,status\n";
+    std::vector<std::string> header = {"problem"};
+    for (const std::string& name : model.parameters) header.insert(header.end(), {name, "sigma_" + name});
+    header.insert(header.end(), {"error", "samples", "iterations", "status"});
+    CsvWriter table(file, header);
     const size_t parameters = model.parameters.size();
     for (size_t i = 0; i < problems.count; ++i) {
-        const std::string& label = problems.labels[i];
-        text += label.find(',') == std::string::npos ? label : "\"" + label + "\"";
+        std::vector<std::string> row = {problems.labels[i]};
         for (size_t k = i * parameters; k < (i + 1) * parameters; ++k)
-            text += fmt::format(",{},{}", solution.parameters[k], solution.deviations[k]);
-        text += fmt::format(",{},{},{},{}\n", solution.error[i], solution.samples[i], solution.steps[i],
-                            batch::name_of(BatchStatus(solution.status[i])));
+            for (const real x : {solution.parameters[k], solution.deviations[k]}) row.push_back(fmt::format("{}", x));
+        row.insert(row.end(), {fmt::format("{}", solution.error[i]), std::to_string(solution.samples[i]),
+                               std::to_string(solution.steps[i]), batch::name_of(BatchStatus(solution.status[i]))});
+        table.row(row);
     }
-    write_file(file, text);
+    table.commit();
 }
 
 nlohmann::ordered_json status_json(const std::vector<size_t>& counts) {
@@ -104,10 +89,10 @@ void solve_files(const SolveCommand& command, const Invocation& invocation) {
     const Record record = make_record(invocation.argc, invocation.argv);
     const batch::ModelText text = batch::read_model_file(command.model);
     batch::Options options = command.options;
-    options.lower = bounds_of(by_name("lower", command.lower, text), text, -INFINITY);
-    options.upper = bounds_of(by_name("upper", command.upper, text), text, INFINITY);
-    options.fixed = fixed_of(command.fix, text);
-    const auto problems = batch::read_problems<real>(command.input, text, by_name("start", command.start, text));
+    options.lower = batch::of_parameters(text, "lower", by_name("lower", command.lower), -INFINITY);
+    options.upper = batch::of_parameters(text, "upper", by_name("upper", command.upper), INFINITY);
+    options.fixed = batch::among_parameters(text, "fix", parts_of(command.fix));
+    const auto problems = batch::read_problems<real>(command.input, text, by_name("start", command.start));
     const batch::CompiledModel model(text, command.precision);
     if (model.seconds() > 0)
         log_info(fmt::format("{}: compiled in {:.1f} s, and kept", command.model, model.seconds()));

@@ -22,18 +22,6 @@ ShapedArray<T> shaped(const char* name, const Input<T>& array) {
     return {name, {array.shape(), array.shape() + array.ndim()}, {array.data(), size_t(array.size())}};
 }
 
-/// A number for each parameter that is named.
-std::vector<double> by_name(const char* what, const py::dict& named, const ModelText& model, double without) {
-    std::vector<double> out(model.parameters.size(), without);
-    for (const auto& [key, value] : named) {
-        const auto name = key.cast<std::string>();
-        const auto found = std::ranges::find(model.parameters, name);
-        if (found == model.parameters.end()) reject_name(what, name, model.parameters);
-        out[size_t(found - model.parameters.begin())] = value.cast<double>();
-    }
-    return out;
-}
-
 /// An array of ours, which keeps its numbers.
 template <class T>
 py::array array_of(std::vector<T>&& numbers, std::vector<py::ssize_t> shape) {
@@ -57,7 +45,8 @@ py::dict solved(const ModelText& text, const Call& call, Precision precision) {
     if (!call.offsets.is_none()) arrays.offsets = shaped("offsets", offsets = Input<int64_t>(call.offsets));
     std::vector<real> named;
     if (py::isinstance<py::dict>(call.start)) {
-        for (const double x : by_name("start", call.start, text, std::numeric_limits<double>::quiet_NaN()))
+        for (const double x :
+             of_parameters(text, "start", call.start.cast<ByName>(), std::numeric_limits<double>::quiet_NaN()))
             named.push_back(real(x));
         arrays.starts = ShapedArray<real>{"start", {named.size()}, named};
     } else {
@@ -88,25 +77,20 @@ py::dict solved(const ModelText& text, const Call& call, Precision precision) {
 }
 
 py::dict solve_arrays(const std::string& model, py::object terms, py::object targets, py::object start,
-                      py::object weights, py::object offsets, const py::dict& lower, const py::dict& upper,
+                      py::object weights, py::object offsets, const ByName& lower, const ByName& upper,
                       const std::vector<std::string>& fix, const std::string& precision, int iterations,
                       double tolerance, const std::string& loss, double loss_scale, bool known_noise, bool covariance) {
     const ModelText text = model.find('{') == std::string::npos ? read_model_file(model) : read_model("model", model);
     Call call{std::move(terms), std::move(targets), std::move(weights), std::move(offsets), std::move(start), {}};
     call.options = {.iterations = iterations,
                     .tolerance = tolerance,
-                    .lower = by_name("lower", lower, text, -INFINITY),
-                    .upper = by_name("upper", upper, text, INFINITY),
-                    .fixed = std::vector<bool>(text.parameters.size()),
+                    .lower = of_parameters(text, "lower", lower, -INFINITY),
+                    .upper = of_parameters(text, "upper", upper, INFINITY),
+                    .fixed = among_parameters(text, "fix", fix),
                     .loss = choose<BatchLoss>("loss", loss, batch_losses()),
                     .loss_scale = loss_scale,
                     .known_noise = known_noise,
                     .covariance = covariance};
-    for (const std::string& name : fix) {
-        const auto found = std::ranges::find(text.parameters, name);
-        if (found == text.parameters.end()) reject_name("fix", name, text.parameters);
-        call.options.fixed[size_t(found - text.parameters.begin())] = true;
-    }
     const auto chosen = choose<Precision>("precision", precision, precisions());
     return chosen == Precision::double_precision ? solved<double>(text, call, chosen)
                                                  : solved<float>(text, call, chosen);
@@ -117,7 +101,7 @@ py::dict solve_arrays(const std::string& model, py::object terms, py::object tar
 void add_solve(py::module_& module) {
     using namespace py::literals;
     module.def("solve", solve_arrays, "model"_a, "terms"_a, "targets"_a, py::kw_only(), "start"_a,
-               "weights"_a = py::none(), "offsets"_a = py::none(), "lower"_a = py::dict(), "upper"_a = py::dict(),
+               "weights"_a = py::none(), "offsets"_a = py::none(), "lower"_a = ByName(), "upper"_a = ByName(),
                "fix"_a = std::vector<std::string>(), "precision"_a = "double", "iterations"_a = Options().iterations,
                "tolerance"_a = 0.0, "loss"_a = "square", "loss_scale"_a = 1.0, "known_noise"_a = false,
                "covariance"_a = true,
