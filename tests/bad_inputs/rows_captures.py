@@ -155,16 +155,16 @@ for damage, *words in (
     rows.append((calibrated("transforms"), damage, 2, *words))
 for size in (0.1, 0.5, 0.9, -1):
     rows.append((calibrated("transforms"), cut(transforms, size), 2, f"{transforms}: truncated, or no JSON"))
-    rows.append((calibrated("llff"), cut(poses, size), 2, f"{poses}: ", "truncated"))
+    rows.append((calibrated("llff"), cut(poses, size), 2, f"{poses}: ", "numpy.save"))
 for damage, *words in (
-    (remove(poses), f"{poses}: no such array file"),
-    (folder(poses), f"{poses}: cannot read this array file: it is a folder"),
-    (write(poses, ""), f"{poses}: is no .npy file, or truncated"),
-    (append(poses, "x"), f"{poses}: 409 bytes follow the header, not the 3 x 17 numbers of 8 bytes"),
-    (replace(poses, "<f8", "<i8"), f"{poses}: holds no little-endian floats"),
-    (replace(poses, "3, 17", "17, 3"), f"{poses}: has 3 columns, not the 17 of LLFF's"),
-    (replace(poses, r"\(3, 17\)", "(51,)  "), f"{poses}: the shape is not one of a matrix"),
-    (patch(poses, 8, b"\xff\xff"), f"{poses}: truncated within its header"),
+    (remove(poses), f"{poses}: missing array file"),
+    (folder(poses), f"{poses}: no file"),
+    (write(poses, ""), f"{poses}: no array of numpy.save, or cut"),
+    (append(poses, "x"), f"{poses}: too long: 409 bytes follow its header, not the 408 of its shape (3, 17)"),
+    (replace(poses, "<f8", ">f8"), f"{poses}: big-endian"),
+    (replace(poses, "3, 17", "17, 3"), f"{poses}: its shape is (17, 3), which should be (images, 17)"),
+    (replace(poses, r"\(3, 17\)", "(51,)  "), f"{poses}: its shape is (51,), which should be (images, 17)"),
+    (patch(poses, 8, b"\xff\xff"), f"{poses}: its header is damaged"),
     (patch(poses, 128, b"\0\0\0\0\0\0\xf8\x7f"), f"{poses}: row 0, image '0.png': the pose is not finite"),
     (patch(poses, 128 + 32, bytes(8)), f"{poses}: row 0, image '0.png': the height is 0, no whole number from 1 to 65536"),
     (patch(poses, 128 + 8 * 14, bytes(8)), f"{poses}: row 0, image '0.png': the focal lengths 0 and 0"),

@@ -10,10 +10,10 @@
 
 #include "capture/import.h"
 #include "capture/llff.h"
-#include "capture/npy_matrix.h"
 #include "capture/transforms.h"
 #include "capture_fixture.h"
 #include "dataset/dataset.h"
+#include "npy_bytes.h"
 
 namespace radiafit {
 using namespace tools;
@@ -21,15 +21,6 @@ namespace {
 
 using namespace testing;
 using Json = nlohmann::ordered_json;
-
-/// In format 1.0, as numpy.save writes it. values: [rows][columns].
-std::string npy(const std::string& type, bool fortran, const std::string& shape, const std::string& data) {
-    std::string header =
-        fmt::format("{{'descr': '{}', 'fortran_order': {}, 'shape': {}, }}", type, fortran ? "True" : "False", shape);
-    header.resize((10 + header.size() + 64) / 64 * 64 - 10, ' ');
-    header.back() = '\n';
-    return "\x93NUMPY\x01" + std::string(1, '\0') + Bytes().put(uint16_t(header.size())).text + header + data;
-}
 
 class CalibrationsTest : public FolderTest {
 protected:
@@ -113,12 +104,6 @@ protected:
             rows.insert(rows.end(), {1.0, 10.0});
         }
         return rows;
-    }
-    template <class T>
-    static std::string bytes_of(const std::vector<T>& values) {
-        Bytes bytes;
-        for (const T v : values) bytes.put(v);
-        return bytes.text;
     }
     void write_llff(const std::vector<double>& rows) {
         write_bytes(root_ / "poses_bounds.npy",
@@ -474,37 +459,6 @@ TEST_F(CalibrationsTest, BadPosesNameFileAndRow) {
     expect_in("has 2 rows, but " + (root_ / "images").string() + " holds 6 images", refused(import_llff, ""));
     options_.images = root_ / "nowhere";
     expect_in("no such folder of photographs: check 'images'", refused(import_llff, ""));
-}
-
-TEST_F(CalibrationsTest, NpyMatricesOfEveryOrderAndType) {
-    const std::vector<double> values = {1, 2, 3, 4, 5.5, -6};
-    const auto read = [&](const std::string& bytes) {
-        write_bytes(root_ / "m.npy", bytes);
-        return read_npy_matrix(root_ / "m.npy");
-    };
-    const auto expect = [&](const NpyMatrix& matrix) {
-        EXPECT_EQ(matrix.rows, 2u);
-        EXPECT_EQ(matrix.columns, 3u);
-        EXPECT_EQ(matrix.values, values);
-    };
-    const std::string data = bytes_of(values), f4 = bytes_of(std::vector<float>(values.begin(), values.end()));
-    expect(read(npy("<f8", false, "(2, 3)", data)));
-    expect(read(npy("<f4", false, "(2, 3)", f4)));
-    expect(read(npy("<f8", true, "(2, 3)", bytes_of<double>({1, 4, 2, 5.5, 3, -6}))));
-    std::string second = npy("<f8", false, "(2, 3)", data);
-    second[6] = 2;
-    second.insert(10, 2, '\0');  // the length's upper bytes
-    expect(read(second));
-    for (const std::string& bytes :
-         {std::string("no array"), npy("<f8", false, "(2, 3)", data).substr(0, 40), npy(">f8", false, "(2, 3)", data),
-          npy("<i8", false, "(2, 3)", data), npy("<f8", false, "(6,)", data), npy("<f8", false, "(1, 2, 3)", data),
-          npy("<f8", false, "(2, 0)", data), npy("<f8", false, "(3, 3)", data), npy("<f8", false, "(2, 3)", data + "x"),
-          npy("<f8", false, "(2, 3)", data.substr(1)), npy("<f8", false, "(-2, 3)", data),
-          npy("<f8", false, "(18446744073709551615, 3)", data), npy("<f8", false, "(2, 3", data)}) {
-        const std::string text = complaint([&] { read(bytes); });
-        expect_in("m.npy: ", text);
-        expect_in("numpy.save", text);
-    }
 }
 
 }  // namespace

@@ -70,6 +70,26 @@ To element_at(const char* from, char kind, uint64_t bytes) {
     }
 }
 
+/// Arrays whose first index runs fastest.
+class FortranOrder {
+public:
+    explicit FortranOrder(std::vector<uint64_t> shape) : shape_(std::move(shape)) {}
+
+    /// Of the element that comes at a place in the file: its place where the last index runs fastest.
+    uint64_t place_in_c_order(uint64_t place) const {
+        uint64_t out = 0, stride = elements_of(shape_);
+        for (const uint64_t n : shape_) {
+            stride /= n;
+            out += place % n * stride;
+            place /= n;
+        }
+        return out;
+    }
+
+private:
+    std::vector<uint64_t> shape_;
+};
+
 const std::filesystem::path& there(const std::filesystem::path& file, const std::string& what) {
     if (!path_exists(file)) throw UserError(fmt::format("{}: missing {}", file.string(), what));
     if (!std::filesystem::is_regular_file(file)) throw UserError(fmt::format("{}: no file", file.string()));
@@ -83,7 +103,7 @@ NpyReader::NpyReader(const std::filesystem::path& file, const std::string& what)
     const uint64_t size = in_.size();
     char start[12] = {};
     in_.read(start, 0, std::min<uint64_t>(size, sizeof start));
-    if (std::string_view(start, 6) != "\x93NUMPY") fail("no array of numpy.save");
+    if (std::string_view(start, 6) != "\x93NUMPY") fail("no array of numpy.save, or cut");
     const bool long_header = start[6] > 1;
     uint64_t length = uint64_t(uint8_t(start[8])) | uint64_t(uint8_t(start[9])) << 8;
     if (long_header) length |= uint64_t(uint8_t(start[10])) << 16 | uint64_t(uint8_t(start[11])) << 24;
@@ -96,7 +116,7 @@ NpyReader::NpyReader(const std::filesystem::path& file, const std::string& what)
 
     const std::string_view type = entry_of(header, "descr"), order = entry_of(header, "fortran_order");
     std::string_view shape = entry_of(header, "shape");
-    if (type.size() < 5 || !shape.starts_with('(')) fail("its elements are no plain numbers; save an array of numbers");
+    if (type.size() < 5) fail("its elements are no plain numbers; numpy.save an array of numbers");
     const std::string descr(type.substr(1, type.size() - 2));
     bytes_ = uint64_t(descr.back() - '0');
     kind_ = descr[1];
@@ -104,9 +124,11 @@ NpyReader::NpyReader(const std::filesystem::path& file, const std::string& what)
                        (kind_ == 'f'   ? bytes_ == 2 || bytes_ == 4 || bytes_ == 8
                         : kind_ == 'b' ? bytes_ == 1
                                        : (kind_ == 'i' || kind_ == 'u') && std::has_single_bit(bytes_) && bytes_ <= 8);
-    if (!known) fail(fmt::format("elements of type '{}' are no plain numbers; save it as float32 or float64", descr));
-    if (descr[0] == '>') fail("big-endian; save it as little-endian, such as by a.astype('<f8')");
-    if (order != "False") fail("in Fortran order; save numpy.ascontiguousarray of it");
+    if (!known)
+        fail(fmt::format("elements of type '{}' are no plain numbers; numpy.save it as float32 or float64", descr));
+    if (descr[0] == '>') fail("big-endian; numpy.save it as little-endian, such as a.astype('<f8')");
+    fortran_ = order == "True";
+    if (!shape.starts_with('(')) fail("its shape is damaged; save it again by numpy.save");
     shape = shape.substr(1, shape.size() - 2);
     while (!shape.empty()) {
         uint64_t n = 0;
@@ -119,7 +141,11 @@ NpyReader::NpyReader(const std::filesystem::path& file, const std::string& what)
     uint64_t wanted = bytes_;
     for (const uint64_t n : shape_)
         if (__builtin_mul_overflow(wanted, n, &wanted)) fail("its shape is damaged; save it again by numpy.save");
-    if (size - begin_ < wanted) fail(fmt::format("cut: {} bytes of {}; copy it again", size - begin_, wanted));
+    if (size - begin_ != wanted)
+        fail(
+            fmt::format("{}: {} bytes follow its header, not the {} of its shape {}; copy it again, or numpy.save one "
+                        "array",
+                        size - begin_ < wanted ? "cut" : "too long", size - begin_, wanted, shape_text()));
 }
 
 void NpyReader::fail(const std::string& problem) const { throw UserError(name_ + ": " + problem); }
@@ -135,16 +161,18 @@ std::vector<T> NpyReader::read() const {
     if (std::is_integral_v<T> && !whole_numbers())
         fail("has fractions; save whole numbers, such as by a.astype('int64')");
     std::vector<T> out(elements());
+    const FortranOrder order(fortran_ ? shape_ : std::vector<uint64_t>());
     constexpr uint64_t at_once = 1 << 20;
     std::vector<char> bytes(std::min<uint64_t>(at_once, out.size()) * bytes_);
     for (uint64_t first = 0; first < out.size(); first += at_once) {
         const uint64_t count = std::min<uint64_t>(at_once, out.size() - first);
         in_.read(bytes.data(), begin_ + first * bytes_, count * bytes_);
         for (uint64_t i = 0; i < count; ++i) {
-            out[first + i] = element_at<T>(&bytes[i * bytes_], kind_, bytes_);
+            T& to = out[fortran_ ? order.place_in_c_order(first + i) : first + i];
+            to = element_at<T>(&bytes[i * bytes_], kind_, bytes_);
             if constexpr (std::is_same_v<T, float>)
                 if (const auto x = element_at<double>(&bytes[i * bytes_], kind_, bytes_);
-                    std::isfinite(x) && (!std::isfinite(out[first + i]) || (out[first + i] == 0) != (x == 0)))
+                    std::isfinite(x) && (!std::isfinite(to) || (to == 0) != (x == 0)))
                     fail(fmt::format("{} is beyond what floats hold; fit in doubles", x));
         }
     }

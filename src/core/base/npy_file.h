@@ -46,8 +46,8 @@ extern template class NpyFile<int64_t>;
 class NpyReader {
 public:
     /// Reads the header. `what` is the file's role, such as "targets". Throws UserError that names the file: it is
-    /// missing or no such array; its elements are no plain numbers, big-endian or in Fortran order; it ends before its
-    /// last element.
+    /// missing or no such array; its elements are no plain numbers or big-endian; it is shorter or longer than its
+    /// shape says.
     NpyReader(const std::filesystem::path& file, const std::string& what);
 
     const std::string& file() const { return name_; }
@@ -55,8 +55,8 @@ public:
     uint64_t elements() const;
     bool whole_numbers() const { return kind_ != 'f'; }
     std::string shape_text() const;  ///< "(3, 4)"
-    /// All elements. T: float or double, to which numbers are rounded (UserError for those beyond what a float holds);
-    /// or int64_t, of whole numbers alone (UserError).
+    /// All elements in C order, whichever the file's is. T: float or double, to which numbers are rounded (UserError
+    /// for those beyond what a float holds); or int64_t, of whole numbers alone (UserError).
     template <class T>
     std::vector<T> read() const;
 
@@ -66,6 +66,7 @@ private:
     std::string name_;
     InputFile in_;
     char kind_ = 'f';  ///< 'f', 'i', 'u' or 'b'
+    bool fortran_ = false;
     uint64_t bytes_ = 4, begin_ = 0;
     std::vector<uint64_t> shape_;
 };

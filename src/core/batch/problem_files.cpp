@@ -7,8 +7,10 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <unordered_map>
 
+#include "base/csv_record.h"
 #include "base/error.h"
 #include "base/npy_file.h"
 #include "base/read_file.h"
@@ -81,24 +83,15 @@ bool held_by(double x) {
     return !std::isfinite(x) || (std::isfinite(real(x)) && (real(x) != 0) == (x != 0));
 }
 
-/// Fields of a line between commas, without blanks and quotes around them.
-std::vector<std::string> fields_of(std::string_view line) {
-    std::vector<std::string> out;
-    for (bool more = true; more;) {
-        const size_t comma = line.find(',');
-        std::string_view field = line.substr(0, comma);
-        const auto cut = [&](std::string_view unwanted) {
-            const size_t first = field.find_first_not_of(unwanted);
-            field = first == std::string_view::npos ? ""
-                                                    : field.substr(first, field.find_last_not_of(unwanted) - first + 1);
-        };
-        cut(" \t");
-        if (field.size() > 1 && field.front() == '"' && field.back() == '"') field = field.substr(1, field.size() - 2);
-        out.emplace_back(field);
-        more = comma != std::string_view::npos;
-        if (more) line.remove_prefix(comma + 1);
+/// Fields of a record without the blanks around them.
+std::vector<std::string> fields_of(std::string_view line, const TextFile& text) {
+    std::optional<std::vector<std::string>> out = take_csv_record(line);
+    if (!out) text.fail("a quote is never closed on this line; close it");
+    for (std::string& field : *out) {
+        field.erase(0, std::min(field.find_first_not_of(" \t"), field.size()));
+        field.resize(field.find_last_not_of(" \t") + 1);
     }
-    return out;
+    return *std::move(out);
 }
 
 template <class real>
@@ -111,7 +104,7 @@ StoredProblems<real> read_table(const path& file, const ModelText& model) {
         return false;
     };
     if (!next_row()) throw UserError(file.string() + ": empty; its first line names the columns");
-    const std::vector<std::string> columns = fields_of(line);
+    const std::vector<std::string> columns = fields_of(line, text);
     const auto column = [&](const std::string& name) {
         return size_t(std::ranges::find(columns, name) - columns.begin());
     };
@@ -140,7 +133,7 @@ StoredProblems<real> read_table(const path& file, const ModelText& model) {
     std::unordered_map<std::string, size_t> place;
     StoredProblems<real> out;
     while (next_row()) {
-        const std::vector<std::string> fields = fields_of(line);
+        const std::vector<std::string> fields = fields_of(line, text);
         if (fields.size() != columns.size())
             text.fail(fmt::format("{} fields, where there are {} columns", fields.size(), columns.size()));
         const auto number = [&](size_t i) {

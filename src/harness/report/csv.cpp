@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "base/csv_record.h"
 #include "base/error.h"
 #include "base/read_file.h"
 
@@ -22,54 +23,6 @@ std::string quoted(const std::string& field) {
     }
     return result + '"';
 }
-
-/// Takes one record off the text. `line` counts the line ends passed.
-class Reader {
-public:
-    Reader(const std::filesystem::path& path, std::string text) : path_(path), text_(std::move(text)) {}
-
-    bool at_end() const { return at_ == text_.size(); }
-    size_t line() const { return line_; }
-
-    std::vector<std::string> record() {
-        std::vector<std::string> fields(1);
-        while (!at_end()) {
-            const char c = text_[at_++];
-            if (c == '"' && fields.back().empty()) {
-                take_quoted(fields.back());
-            } else if (c == ',') {
-                fields.emplace_back();
-            } else if (c == '\n') {
-                line_++;
-                break;
-            } else if (c != '\r') {
-                fields.back() += c;
-            }
-        }
-        return fields;
-    }
-
-private:
-    void take_quoted(std::string& field) {
-        const size_t start = line_;
-        while (!at_end()) {
-            const char c = text_[at_++];
-            if (c == '"') {
-                if (at_end() || text_[at_] != '"') return;
-                at_++;
-            }
-            if (c == '\n') line_++;
-            field += c;
-        }
-        throw UserError(
-            fmt::format("{}:{}: a quote is never closed; correct or remake the file", path_.string(), start));
-    }
-
-    const std::filesystem::path& path_;
-    std::string text_;
-    size_t at_ = 0;
-    size_t line_ = 1;
-};
 
 }  // namespace
 
@@ -103,11 +56,21 @@ CsvTable::CsvTable(std::filesystem::path path, std::string text) : path_(std::mo
     if (!text.ends_with('\n'))
         throw UserError(fmt::format("{}: no line break behind the last row, so it may have been cut; remake the file",
                                     path_.string()));
-    Reader reader(path_, std::move(text));
-    header_ = reader.record();
-    while (!reader.at_end()) {
-        lines_.push_back(reader.line());
-        rows_.push_back(reader.record());
+    std::string_view rest = text;
+    size_t line = 1;
+    const auto record = [&] {
+        const std::string_view before = rest;
+        std::optional<std::vector<std::string>> fields = take_csv_record(rest);
+        if (!fields)
+            throw UserError(
+                fmt::format("{}:{}: a quote is never closed; correct or remake the file", path_.string(), line));
+        line += size_t(std::ranges::count(before.substr(0, before.size() - rest.size()), '\n'));
+        return *std::move(fields);
+    };
+    header_ = record();
+    while (!rest.empty()) {
+        lines_.push_back(line);
+        rows_.push_back(record());
         if (rows_.back().size() != header_.size())
             throw UserError(fmt::format("{}:{}: {} fields under {} names; correct or remake the file", path_.string(),
                                         lines_.back(), rows_.back().size(), header_.size()));

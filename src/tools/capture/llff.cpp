@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/npy_file.h"
 #include "base/read_file.h"
 #include "base/wording.h"
 #include "capture/file_names.h"
 #include "capture/light_file.h"
-#include "capture/npy_matrix.h"
 
 namespace radiafit::tools {
 namespace fs = std::filesystem;
@@ -26,9 +26,10 @@ int side(double value, const char* what, const std::string& where) {
     return static_cast<int>(value);
 }
 
-Camera read_camera(const NpyMatrix& matrix, size_t row, const std::string& where) {
+/// numbers: a row of the file.
+Camera read_camera(const double* numbers, const std::string& where) {
     const auto column = [&](size_t c) {
-        return Vec3d(matrix(row, c), matrix(row, c + pose_columns), matrix(row, c + 2 * pose_columns));
+        return Vec3d(numbers[c], numbers[c + pose_columns], numbers[c + 2 * pose_columns]);
     };
     const Vec3d lens = column(4);  // height, width, focal length
     Camera camera;
@@ -46,10 +47,14 @@ Camera read_camera(const NpyMatrix& matrix, size_t row, const std::string& where
 }  // namespace
 
 Calibration read_llff(const fs::path& file, const fs::path& images) {
-    const NpyMatrix matrix = read_npy_matrix(file);
-    if (matrix.columns != row_length)
-        throw UserError(fmt::format("{}: has {} columns, not the {} of LLFF's poses_bounds.npy: write it again",
-                                    file.string(), matrix.columns, row_length));
+    const NpyReader array(file, "array file");
+    if (array.shape().size() != 2 || array.shape()[1] != row_length)
+        throw UserError(
+            fmt::format("{}: its shape is {}, which should be (images, {}) as in LLFF's poses_bounds.npy: "
+                        "write it again by numpy.save",
+                        file.string(), array.shape_text(), row_length));
+    const std::vector<double> rows = array.read<double>();
+    const size_t row_count = rows.size() / row_length;
     if (!folder_exists(images))
         throw UserError(
             fmt::format("{}: no such folder of photographs: check {}", images.string(), option_name("images")));
@@ -58,17 +63,17 @@ Calibration read_llff(const fs::path& file, const fs::path& images) {
     calibration.cameras_file = calibration.images_file = file;
     calibration.hints.poses = llff_poses;
     std::vector<std::string> names = list_images(images);
-    if (names.size() != matrix.rows) {
+    if (names.size() != row_count) {
         const fs::path list = file.parent_path() / view_list;
         if (!path_exists(list))
             throw UserError(
                 fmt::format("{}: has {} rows, but {} holds {} images: leave there those that were calibrated, or name "
                             "them in {}, one per line",
-                            file.string(), matrix.rows, images.string(), names.size(), list.string()));
+                            file.string(), row_count, images.string(), names.size(), list.string()));
         names = read_names(list);
-        if (names.size() != matrix.rows)
+        if (names.size() != row_count)
             throw UserError(fmt::format("{}: has {} rows, but {} names {} images: take both from one calibration",
-                                        file.string(), matrix.rows, list.string(), names.size()));
+                                        file.string(), row_count, list.string(), names.size()));
         std::sort(names.begin(), names.end());
         calibration.remarks.push_back(
             fmt::format("{} names the {} images that were calibrated", list.string(), names.size()));
@@ -78,7 +83,8 @@ Calibration read_llff(const fs::path& file, const fs::path& images) {
                                         option_name("max-size"));
     for (size_t i = 0; i < names.size(); ++i)
         calibration.images.push_back(
-            {names[i], read_camera(matrix, i, fmt::format("{}: row {}, image '{}'", file.string(), i, names[i]))});
+            {names[i],
+             read_camera(&rows[i * row_length], fmt::format("{}: row {}, image '{}'", file.string(), i, names[i]))});
     sort_images(calibration);
     return calibration;
 }
