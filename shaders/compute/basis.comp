@@ -67,15 +67,8 @@ void find_terms(uint s, out float b[TERMS]) {
 #endif
 }
 
-void find_columns(uint block_first, uint s, int row) {
+void find_columns(uint block_first, uint s, float b[TERMS], int row) {
     vec3 colour = three(6u * s + 3u);
-    float b[TERMS];
-    find_terms(s, b);
-#if LIGHT
-    weights[lane()] = 1.0;
-#else
-    weights[lane()] = view_weight(three(6u * s));
-#endif
     uint first = block_first + uint(row * TERMS * COLUMNS);
     for (int column = 0; column < COLUMNS; ++column) {
         float sum = 0.0;
@@ -99,13 +92,22 @@ void main() {
     }
     for (uint begin = 0u; begin < count; begin += uint(LANES)) {
         int here = int(min(uint(LANES), count - begin));
+        uint s = first + begin + uint(min(lane(), here - 1));
+        float b[TERMS];
+        find_terms(s, b);
+        barrier();  // until all have added what the weights were of
+#if LIGHT
+        weights[lane()] = 1.0;
+#else
+        weights[lane()] = view_weight(three(6u * s));
+#endif
         for (int row = 0; row < ROWS; ++row) {
             barrier();
-            if (lane() < here) find_columns(block_first, first + begin + uint(lane()), row);
+            if (lane() < here) find_columns(block_first, s, b, row);
             barrier();
-            for (int s = 0; s < here; ++s)
+            for (int k = 0; k < here; ++k)
                 for (int i = 0; i < ENTRIES_EACH; ++i)
-                    sums[i] += weights[s] * columns[s][places[i].x] * columns[s][places[i].y];
+                    sums[i] += weights[k] * columns[k][places[i].x] * columns[k][places[i].y];
         }
     }
     for (int i = 0; i < ENTRIES_EACH; ++i) matrix[min(lane() + i * LANES, ENTRIES - 1)] = sums[i];

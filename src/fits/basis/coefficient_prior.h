@@ -28,7 +28,7 @@ struct CoefficientPrior {
     Matrix covariance;
 };
 
-/// Sums over texels of what the next prior is made from.
+/// Sums over texels of what the next prior is made from. Of `covariance` the lower triangle counts.
 template <int D, int R>
 struct Moments {
     using Prior = CoefficientPrior<D, R>;
@@ -59,14 +59,16 @@ public:
     using Matrix = typename Prior::Matrix;
 
     /// The prior must outlive it.
-    Expectation(const Prior& prior, double noise)
-        : prior_(prior), noise_(noise), precision_(prior.covariance.llt().solve(identity())) {}
+    Expectation(const Prior& prior, double noise) : prior_(prior), noise_(noise) {}
     const Prior& prior() const { return prior_; }
 
+    /// For add_by_coefficients().
+    void find_precision() { precision_ = prior_.covariance.llt().solve(identity()); }
+
     /// Adds texels that have been seen alike, all but the samples' weight, to `sums`. seen: sum over a texel's samples
-    /// of w b b'. right: [D][R x texels] sum of w b (y - b . mean).
+    /// of w b b'. right: [D][R x texels] sum of w b (y - b . mean). For samples that outnumber the coefficients.
     template <class Right>
-    void add(const Matrix& seen, const Eigen::MatrixBase<Right>& right, Moments<D, R>& sums) const {
+    void add_by_coefficients(const Matrix& seen, const Eigen::MatrixBase<Right>& right, Moments<D, R>& sums) const {
         const Eigen::Index texels = right.cols() / R;
         sums.seen += double(texels) * seen;
         const Eigen::LLT<Matrix> posterior(precision_ + seen / noise_);
@@ -74,6 +76,26 @@ public:
         sums.texels += double(texels);
         for (Eigen::Index i = 0; i < texels; ++i) sums.mean += offset.template middleCols<R>(R * i);
         sums.covariance += double(right.cols()) * posterior.solve(identity()) + offset * offset.transpose();
+    }
+
+    /// The same by the samples, for fewer of them than coefficients (Rasmussen and Williams 2006, equations 2.25 and
+    /// 2.26). by_prior: [samples][D] sqrt(w) b' covariance. covariance: [samples][samples] of what they show,
+    /// sqrt(w) b' covariance b sqrt(w). residuals: [samples][R x texels] sqrt(w) (y - b . mean). All but `seen`.
+    template <class Rows, class Square, class Right>
+    void add_by_samples(const Eigen::MatrixBase<Rows>& by_prior, const Eigen::MatrixBase<Square>& covariance,
+                        const Eigen::MatrixBase<Right>& residuals, Moments<D, R>& sums) const {
+        const Eigen::Index texels = residuals.cols() / R;
+        typename Square::PlainObject noisy = covariance;
+        noisy.diagonal().array() += noise_;
+        const Eigen::LLT<typename Square::PlainObject> cholesky(noisy);
+        const typename Rows::PlainObject root = cholesky.matrixL().solve(by_prior);
+        const Eigen::Matrix<double, D, Eigen::Dynamic> offset = root.transpose() * cholesky.matrixL().solve(residuals);
+        sums.texels += double(texels);
+        for (Eigen::Index i = 0; i < texels; ++i) sums.mean += offset.template middleCols<R>(R * i);
+        auto lower = sums.covariance.template selfadjointView<Eigen::Lower>();
+        lower.rankUpdate(root.transpose(), -double(residuals.cols()));
+        lower.rankUpdate(offset);
+        sums.covariance.template triangularView<Eigen::Lower>() += double(residuals.cols()) * prior_.covariance;
     }
 
 private:
@@ -95,11 +117,12 @@ CoefficientPrior<D, R> maximized(const CoefficientPrior<D, R>& last, const Momen
     Prior next;
     const typename Prior::Vectors offset = sums.mean / (own + 0.1 * borrowed);  // a mean needs fewer texels
     next.mean = last.mean + offset;
-    typename Prior::Matrix covariance = sums.covariance / R - own * offset * offset.transpose() / R;
+    typename Prior::Matrix covariance = sums.covariance.template selfadjointView<Eigen::Lower>();
+    covariance = covariance / R - own * offset * offset.transpose() / R;
     if (common) covariance += borrowed * common->covariance;
     covariance /= own + borrowed;
-    next.covariance = 0.5 * (covariance + covariance.transpose()) +
-                      1e-12 * covariance.trace() * Prior::Matrix::Identity(covariance.rows(), covariance.cols());
+    next.covariance =
+        covariance + 1e-12 * covariance.trace() * Prior::Matrix::Identity(covariance.rows(), covariance.cols());
     return next;
 }
 

@@ -141,6 +141,7 @@ Prior vague_prior(const std::vector<LampAndHalf>& lamps, const LightKernel<doubl
 /// Adds what texels' samples say, those that are lit from the same directions together.
 void add_texels(const Expectation<dynamic, 1>& expectation, const LearnedTexels& all, std::span<const uint32_t> texels,
                 Sums& sums) {
+    const Prior& prior = expectation.prior();
     std::vector<std::pair<const LitFrom*, std::vector<const LearnedTexel*>>> alike;
     for (const uint32_t t : texels) {
         const LearnedTexel& texel = all[t];
@@ -152,18 +153,23 @@ void add_texels(const Expectation<dynamic, 1>& expectation, const LearnedTexels&
             found->second.push_back(&texel);
     }
     for (const auto& [from, some] : alike) {
-        const Eigen::MatrixXd weights = from->weights.cast<double>(), seen_each = weights * weights.transpose();
-        const Eigen::Index n = weights.rows();
-        Eigen::MatrixXd seen = Eigen::MatrixXd::Zero(3 * n, 3 * n);
-        Eigen::MatrixXd right(3 * n, Eigen::Index(some.size()));
+        const Eigen::MatrixXd weights = from->weights.transpose().cast<double>();
+        const Eigen::Index samples = weights.rows(), n = weights.cols();
+        const Eigen::MatrixXd seen = weights.transpose() * weights;
+        Eigen::MatrixXd by_prior(3 * samples, 3 * n), covariance(3 * samples, 3 * samples),
+            residuals(3 * samples, Eigen::Index(some.size()));
         for (int c = 0; c < 3; ++c) {
-            seen.block(c * n, c * n, n, n) = seen_each;
-            const Eigen::VectorXd of_mean = seen_each * expectation.prior().mean.segment(c * n, n);
+            const Eigen::Index first = c * samples;
+            by_prior.middleRows(first, samples).noalias() = weights * prior.covariance.middleRows(c * n, n);
+            const Eigen::VectorXd of_mean = weights * prior.mean.segment(c * n, n);
             for (size_t i = 0; i < some.size(); ++i)
-                right.col(Eigen::Index(i)).segment(c * n, n) =
-                    weights * some[i]->values.col(c).cast<double>() - of_mean;
+                residuals.col(Eigen::Index(i)).segment(first, samples) =
+                    some[i]->values.col(c).cast<double>() - of_mean;
+            sums.seen.block(c * n, c * n, n, n) += double(some.size()) * seen;
         }
-        expectation.add(seen, right, sums);
+        for (int c = 0; c < 3; ++c)
+            covariance.middleCols(c * samples, samples).noalias() = by_prior.middleCols(c * n, n) * weights.transpose();
+        expectation.add_by_samples(by_prior, covariance, residuals, sums);
         sums.weight += double(from->directions.size() * some.size());
     }
 }

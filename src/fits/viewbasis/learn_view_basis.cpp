@@ -37,7 +37,7 @@ void add_texel(const Expectation<view_terms, 3>& expectation, std::span<const Te
             weight * b * (view.colour.cast<double>() - expectation.prior().mean.transpose() * b).transpose();
         sums.weight += weight;
     }
-    expectation.add(seen, right, sums);
+    expectation.add_by_coefficients(seen, right, sums);
 }
 
 BasisTexels drawn_texels(const TriangleAtlas& atlas, const ViewBasisOptions& options) {
@@ -83,7 +83,8 @@ ViewBasis learn_view_basis(const Dataset& dataset, const TriangleAtlas& atlas, c
     learn_blocks(
         texels, vague_prior(), options.rounds, journal,
         [&](const Prior& prior, const std::vector<uint32_t>& of) {
-            const Expectation<view_terms, 3> expectation(prior, options.noise);
+            Expectation<view_terms, 3> expectation(prior, options.noise);
+            expectation.find_precision();
             return summed<view_terms, 3>(
                 of, texels_at_once, view_terms, [&](std::span<const uint32_t> some, Sums& sums) {
                     std::vector<TexelView> views;
