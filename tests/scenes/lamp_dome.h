@@ -1,5 +1,7 @@
 #pragma once
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -10,7 +12,7 @@
 namespace radiafit::testing {
 using namespace tools;
 
-/// A matt relief with two chrome spheres on it, as a far camera sees it under near lamps of different strengths.
+/// A matt relief with two chrome spheres on it, as a camera sees it under near lamps of different strengths.
 struct LampDome {
     int width = 960, height = 720;
     double pixel = 1.0 / 960;
@@ -18,6 +20,7 @@ struct LampDome {
     std::vector<Light> lamps;       ///< of intensity 1
     std::vector<double> strengths;  ///< irradiance at the origin; geometric mean 1
     double lamp_radius = 0.05, noise = 0.01;
+    std::optional<Vec3d> eye = {};  ///< where the camera is; none: far away
 
     uint32_t seed;
 
@@ -36,7 +39,7 @@ struct LampDome {
         for (double& s : strengths) s /= std::exp(mean);
     }
 
-    PictureFrame frame() const { return {width, height, pixel, {}}; }
+    PictureFrame frame() const { return {width, height, pixel, eye}; }
     Vec3d normal(const Vec3d& x) const {
         const double dx = 0.35 * std::sin(21 * x.x() + 3 * std::sin(9 * x.y())),
                      dy = 0.3 * std::sin(17 * x.y() + 5 * x.x());
@@ -50,15 +53,16 @@ struct LampDome {
         const double irradiance = strengths[lamp] * lamps[lamp].place.squaredNorm() / to.squaredNorm();
         return albedo(x) * irradiance * std::max(0.0, normal(x).dot(to.normalized()));
     }
-    /// What is seen in one direction of the far camera's.
-    double seen(const Vec2d& place, size_t lamp) const {
-        const Vec3d x = frame().plane_point(place);
-        for (const Circle& outline : spheres) {
-            const GlossySphere sphere = sphere_of(outline, frame());
-            const Vec2d off = (x - sphere.centre).head<2>() / sphere.radius;
-            if (off.squaredNorm() >= 1) continue;
-            const Vec3d n(off.x(), off.y(), std::sqrt(1 - off.squaredNorm())), from = sphere.centre + sphere.radius * n;
-            const Vec3d mirrored = 2 * n.z() * n - Vec3d::UnitZ(), to = lamps[lamp].place - from;
+    /// What is seen in one direction of the camera's.
+    double seen(const Vec2d& place, size_t lamp, const std::vector<GlossySphere>& glossy) const {
+        const Vec3d x = frame().plane_point(place), up = frame().direction_to_camera(x);
+        for (const GlossySphere& sphere : glossy) {
+            const Vec3d off = x - sphere.centre;
+            const double nearest = -off.dot(up),
+                         inside = sphere.radius * sphere.radius - (off + nearest * up).squaredNorm();
+            if (inside <= 0) continue;
+            const Vec3d from = x + (nearest + std::sqrt(inside)) * up, n = (from - sphere.centre) / sphere.radius;
+            const Vec3d mirrored = 2 * n.dot(up) * n - up, to = lamps[lamp].place - from;
             if (mirrored.cross(to.normalized()).norm() < lamp_radius / to.norm() && mirrored.dot(to) > 0) return 30;
             if (mirrored.z() >= 0) return 0.01;
             const Vec3d met = from - from.z() / mirrored.z() * mirrored;
@@ -73,12 +77,15 @@ struct LampDome {
     /// [height][width], through a lens that blurs a little, up to 1.
     LuminanceImage image(size_t lamp) const {
         LuminanceImage sharp{width, height, std::vector<float>(size_t(width) * size_t(height))}, out = sharp;
+        std::vector<GlossySphere> glossy;
+        for (const Circle& outline : spheres) glossy.push_back(sphere_of(outline, frame()));
         for (size_t y = 0; y < size_t(height); ++y)
             for (int x = 0; x < width; ++x) {
                 const int n = near_sphere(x, int(y)) ? 4 : 1;
                 double sum = 0;
                 for (int j = 0; j < n; ++j)
-                    for (int i = 0; i < n; ++i) sum += seen({x + (i + 0.5) / n, double(y) + (j + 0.5) / n}, lamp);
+                    for (int i = 0; i < n; ++i)
+                        sum += seen({x + (i + 0.5) / n, double(y) + (j + 0.5) / n}, lamp, glossy);
                 sharp.values[y * size_t(width) + size_t(x)] = float(sum / (n * n));
             }
         std::mt19937 random{1000 * seed + uint32_t(lamp)};
