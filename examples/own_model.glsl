@@ -6,7 +6,6 @@
 struct Terms { real x[TERM_COUNT]; };
 struct Shape { real x[SHAPE_COUNT]; };
 struct Basis { real x[BASIS_COUNT]; };
-struct Slope { real x[SHAPE_COUNT]; };
 
 SHARED_FN Terms sample_terms(real3 u, real3 v) {
     real3 h = u + v;
@@ -21,25 +20,12 @@ SHARED_FN Basis basis(Shape s, Terms t) {
     b.x[1] = t.x[0] * exp(exp(s.x[0]) * t.x[1]);
     return b;
 }
-SHARED_FN Slope shape_slope(Shape s, Terms t) {
-    Slope g;
-    g.x[0] = basis(s, t).x[1] * exp(s.x[0]) * t.x[1];
-    return g;
-}
-SHARED_FN real2 shape_bend(Shape s, Shape d, Terms t) {
-    real q = exp(s.x[0]) * t.x[1] * d.x[0];
-    real value = basis(s, t).x[1];
-    return real2(value * q, value * (q * q + q * d.x[0]));
-}
 
 #ifdef __cplusplus
 static constexpr const char* coefficient_names[BASIS_COUNT] = {"rho_d", "rho_s"};
 static constexpr const char* shape_names[SHAPE_COUNT] = {"log_n"};
 static constexpr double coefficient_bounds[BASIS_COUNT][2] = {{0, 1}, {0, 4}};
 static constexpr double shape_bounds[SHAPE_COUNT][2] = {{0, 7}};
-static constexpr int gauge_count = 0;
-static real fix_gauge(Shape&) { return real(1.0); }
-static Shape gauge_tangent(const Shape& s) { return s; }
 static constexpr int start_count = 3;
 static constexpr double starts[start_count][SHAPE_COUNT] = {{2}, {3.5}, {5}};
 #endif

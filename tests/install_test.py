@@ -97,7 +97,7 @@ class Install(unittest.TestCase):
     def test_an_incomplete_model_is_told_what_it_lacks(self):
         text = (source / "examples" / "own_model.glsl").read_text(encoding="utf-8")
         lacking = {
-            "real2 shape_bend(Shape, Shape, Terms)": text.replace("real2 shape_bend(", "real2 other("),
+            "Basis basis(Shape, Terms)": text.replace("Basis basis(", "Basis other("),
             "coefficient_names[BASIS_COUNT]": text.replace("coefficient_names", "other_names"),
             "TERM_COUNT, BASIS_COUNT and SHAPE_COUNT": text.replace("#define BASIS_COUNT 2", "const int basis_count_ = 2;"),
         }

@@ -1,8 +1,5 @@
 #pragma once
-#include <filesystem>
-#include <memory>
-#include <string>
-
+#include "base/compiled_library.h"
 #include "batch/kernel/chunk.h"
 #include "batch/model_text.h"
 
@@ -10,15 +7,11 @@ namespace radiafit::batch {
 
 enum class Precision { single_precision, double_precision };
 
-/// A model as machine code, made by this machine's C++ compiler for its widest vectors. What was compiled once is kept
-/// in compiled_models_folder() and taken from there.
+/// A model as machine code, made by this machine's C++ compiler for its widest vectors (base/compiled_library.h).
 class CompiledModel {
 public:
     /// Throws UserError: there is no compiler; or what it says of the text, "NAME:LINE: ...".
     CompiledModel(const ModelText& text, Precision precision);
-    ~CompiledModel();
-    CompiledModel(const CompiledModel&) = delete;
-    CompiledModel& operator=(const CompiledModel&) = delete;
 
     const ModelText& text() const { return text_; }
     Precision precision() const { return precision_; }
@@ -31,20 +24,15 @@ public:
     void evaluate(const void* parameters, const void* terms, long long samples, void* values, void* derivatives) const {
         evaluate_(parameters, terms, samples, values, derivatives);
     }
-    double seconds() const { return seconds_; }  ///< that compiling took; 0: it was there
+    double seconds() const { return library_.seconds(); }  ///< that compiling took; 0: it was there
 
 private:
     ModelText text_;
     Precision precision_;
-    double seconds_ = 0;
-    void* library_ = nullptr;
+    CompiledLibrary library_;
     long long (*storage_bytes_)(long long) = nullptr;  ///< the library's functions
     void (*solve_)(const Chunk*, void*) = nullptr;
     void (*evaluate_)(const void*, const void*, long long, void*, void*) = nullptr;
 };
-
-/// $XDG_CACHE_HOME/radiafit/models or ~/.cache/radiafit/models; without a home, one of this user's own below the folder
-/// for temporary files. Throws UserError where that one is somebody else's.
-std::filesystem::path compiled_models_folder();
 
 }  // namespace radiafit::batch

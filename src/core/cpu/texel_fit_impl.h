@@ -184,11 +184,13 @@ template <class>
 auto TexelFit<Text>::with_gauge(const SmallVector<WidePack, Q>& s, const SmallMatrix<WidePack, Q>& of)
     -> SmallMatrix<WidePack, Q> {
     SmallMatrix<WidePack, Q> m = of;
-    const typename Text::Shape tangent = Text::gauge_tangent(shape_of(s));
-    WidePack trace(0.0);
-    for (size_t i = 0; i < size_t(Q); ++i) trace += m[i][i];
-    for (size_t i = 0; i < size_t(Q); ++i)
-        for (size_t j = 0; j <= i; ++j) m[i][j] += trace * widen(tangent.x[i] * tangent.x[j]);
+    if constexpr (Model::gauge_count > 0) {
+        const typename Text::Shape tangent = Text::gauge_tangent(shape_of(s));
+        WidePack trace(0.0);
+        for (size_t i = 0; i < size_t(Q); ++i) trace += m[i][i];
+        for (size_t i = 0; i < size_t(Q); ++i)
+            for (size_t j = 0; j <= i; ++j) m[i][j] += trace * widen(tangent.x[i] * tangent.x[j]);
+    }
     return m;
 }
 
@@ -200,7 +202,7 @@ auto TexelFit<Text>::moved(const Point& from, const Step& step) -> Point {
         to.s[i] =
             min(max(from.s[i] + step.by[i], WidePack(Text::shape_bounds[i][0])), WidePack(Text::shape_bounds[i][1]));
     typename Text::Shape shape = shape_of(to.s);
-    Text::fix_gauge(shape);  // the coefficients are solved for anyway
+    if constexpr (Model::gauge_count > 0) Text::fix_gauge(shape);  // the coefficients are solved for anyway
     for (size_t i = 0; i < size_t(Q); ++i) to.s[i] = widen(shape.x[i]);
     return to;
 }

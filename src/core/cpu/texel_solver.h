@@ -60,6 +60,9 @@ public:
     /// Bytes that stream() holds for so many texels and samples, at least: rows are padded to the longest of eight.
     virtual uint64_t stream_bytes(uint64_t texels, uint64_t samples, const Room& room) const = 0;
 };
+/// Throws std::invalid_argument for a model that has none.
 const TexelSolvers& texel_solvers(const TexelModel& model);
+/// Those of a model that was added to the library's (add_texel_model()).
+void add_texel_solvers(const TexelModel& model, std::unique_ptr<const TexelSolvers> solvers);
 
 }  // namespace radiafit

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <utility>
 
+#include "base/cache_folder.h"
 #include "base/error.h"
 #include "base/program.h"
 #include "base/range.h"
@@ -26,13 +27,10 @@ void choose_shader_cache() {
     namespace fs = std::filesystem;
     if (std::getenv("MESA_SHADER_CACHE_DIR") || std::getenv("MESA_SHADER_CACHE_DISABLE")) return;
     std::error_code failed;
-    fs::path base;
-    if (const char* cache = std::getenv("XDG_CACHE_HOME")) base = cache;
-    if (base.empty())
-        if (const char* home = std::getenv("HOME")) base = fs::path(home) / ".cache";
-    if (base.empty()) base = fs::temp_directory_path(failed);
-    if (base.empty()) return;
-    const fs::path folder = base / "radiafit" / "shaders";
+    fs::path cache = cache_folder();
+    if (cache.empty()) cache = fs::temp_directory_path(failed) / "radiafit";
+    if (failed) return;
+    const fs::path folder = cache / "shaders";
     fs::create_directories(folder, failed);
     if (!failed) ::setenv("MESA_SHADER_CACHE_DIR", folder.c_str(), 0);
 }

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <mutex>
 #include <sstream>
 
 #include "base/error.h"
@@ -14,20 +16,13 @@
 namespace radiafit {
 namespace {
 
-std::string read_shader(const std::string& file) {
-    const char* folder = std::getenv("RADIAFIT_SHADERS");
-    if (!folder || !*folder) {
-        const auto& all = embedded_shaders();
-        const auto found = std::ranges::find(all, file, &EmbeddedText::file);
-        if (found == all.end()) throw UserError(fmt::format("{}: no such shader", file));
-        return std::string(found->text);
-    }
-    const std::string path = folder + ("/" + file);
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) throw UserError(fmt::format("{}: cannot be read; unset RADIAFIT_SHADERS, or complete it", path));
-    std::ostringstream text;
-    text << stream.rdbuf();
-    return text.str();
+struct Added {
+    std::mutex mutex;
+    std::map<std::string, std::string> shaders;
+};
+Added& added() {
+    static Added all;
+    return all;
 }
 
 // "model/MODEL.glsl" with MODEL defined as lambert: "model/lambert.glsl".
@@ -43,7 +38,7 @@ void append(const std::string& file, const Defines& defines, ShaderText& out) {
     const size_t index = out.files.size();
     const bool stage = index == 0;
     out.files.push_back(file);
-    std::istringstream stream(read_shader(file));
+    std::istringstream stream(shader_file(file));
     std::string line;
     int number = 0;
     if (!stage) out.text += fmt::format("#line 1 {}\n", index);
@@ -70,6 +65,31 @@ void append(const std::string& file, const Defines& defines, ShaderText& out) {
 }
 
 }  // namespace
+
+std::string shader_file(const std::string& file) {
+    {
+        const std::scoped_lock lock(added().mutex);
+        if (const auto found = added().shaders.find(file); found != added().shaders.end()) return found->second;
+    }
+    const char* folder = std::getenv("RADIAFIT_SHADERS");
+    if (!folder || !*folder) {
+        const auto& all = embedded_shaders();
+        const auto found = std::ranges::find(all, file, &EmbeddedText::file);
+        if (found == all.end()) throw UserError(fmt::format("{}: no such shader", file));
+        return std::string(found->text);
+    }
+    const std::string path = folder + ("/" + file);
+    std::ifstream stream(path, std::ios::binary);
+    if (!stream) throw UserError(fmt::format("{}: cannot be read; unset RADIAFIT_SHADERS, or complete it", path));
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+}
+
+void add_shader(const std::string& file, const std::string& text) {
+    const std::scoped_lock lock(added().mutex);
+    added().shaders[file] = text;
+}
 
 ShaderText expand_shader(const std::string& file, const Defines& defines) {
     ShaderText result;

@@ -20,6 +20,10 @@ struct ShaderText {
     std::string text;
     std::vector<std::string> files;  ///< #line's second number is an index into this
 };
+/// One file's text. Throws UserError for one that cannot be read.
+std::string shader_file(const std::string& file);
+/// A text more, for as long as the program runs, as "model/mine.glsl".
+void add_shader(const std::string& file, const std::string& text);
 /// `file` begins with a #version line; `defines` follow it. Throws UserError for a file that cannot be read.
 ShaderText expand_shader(const std::string& file, const Defines& defines = {});
 

@@ -1,7 +1,8 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
+
+#include "base/select_number.h"
 
 /// The C++ side of the dialect that model and optimizer texts under shaders/ are written in. A text is included inside
 /// `template <class real> struct NAME : shared_text::Types<real> { ... }`; see shaders/model/prelude.glsl.
@@ -34,18 +35,9 @@ struct real4_t {
     real4_t(const real& a, const real& b, const real& c, const real& d) : x(a), y(b), z(c), w(d) {}
 };
 
-/// A SIMD pack compares to a mask and has its own select.
-template <class real, class Condition>
-real select(const Condition& c, const real& a, const real& b) {
-    if constexpr (std::is_same_v<Condition, bool>)
-        return c ? a : b;
-    else
-        return real::select(c, a, b);
-}
-
 }  // namespace radiafit::shared_text
 
 // The texts are macros' only users; each inclusion site undefines nothing, so keep the names out of public headers.
 #define INOUT(T) T&
-#define SELECT(c, a, b) (::radiafit::shared_text::select<real>((c), (a), (b)))
+#define SELECT(c, a, b) (::radiafit::select_number<real>((c), (a), (b)))
 #define SHARED_FN static inline

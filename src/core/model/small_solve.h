@@ -22,7 +22,6 @@ template <class real, int N>
 class SmallFactor {
 public:
     SmallFactor(const SmallMatrix<real, N>& a, double floor, SmallPivots small = SmallPivots::raised) : l_(a) {
-        using shared_text::select;
         using std::max, std::min;
         for (size_t j = 0; j < size_t(N); ++j) {
             real pivot = a[j][j];
@@ -31,7 +30,7 @@ public:
             pivot_[j] = max(pivot, real(floor) * a[j][j] + real(1e-30));
             inverse_[j] = real(1.0) / pivot_[j];
             if (small == SmallPivots::left_out)
-                inverse_[j] = select<real>(pivot <= real(floor) * a[j][j], real(0.0), inverse_[j]);
+                inverse_[j] = select_number<real>(pivot <= real(floor) * a[j][j], real(0.0), inverse_[j]);
             for (size_t i = j + 1; i < size_t(N); ++i) {
                 real x = a[i][j];
                 for (size_t k = 0; k < j; ++k) x -= l_[i][k] * l_[j][k] * pivot_[k];
@@ -82,7 +81,6 @@ template <class real, int N>
 BoundedStep<real, N> bounded_step(const SmallMatrix<real, N>& a, const SmallFactor<real, N>& factor,
                                   const SmallVector<real, N>& g, const SmallVector<real, N>& x,
                                   const double (&bounds)[N][2]) {
-    using shared_text::select;
     using std::max, std::min;
     const auto within = [&](size_t i, const real& step) {
         return min(max(step, real(bounds[i][0]) - x[i]), real(bounds[i][1]) - x[i]);
@@ -107,8 +105,8 @@ BoundedStep<real, N> bounded_step(const SmallMatrix<real, N>& a, const SmallFact
             out.step[i] = within(i, out.step[i] - slope(i, out.step) * inverse_diagonal[i]);
     for (size_t i = 0; i < size_t(N); ++i) out.change += real(0.5) * out.step[i] * (g[i] + slope(i, out.step));
     const auto falls = out.change < real(0.0);
-    for (size_t i = 0; i < size_t(N); ++i) out.step[i] = select<real>(falls, out.step[i], real(0.0));
-    out.change = select<real>(falls, out.change, real(0.0));
+    for (size_t i = 0; i < size_t(N); ++i) out.step[i] = select_number<real>(falls, out.step[i], real(0.0));
+    out.change = select_number<real>(falls, out.change, real(0.0));
     return out;
 }
 

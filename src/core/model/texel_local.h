@@ -3,6 +3,8 @@
 #include <concepts>
 #include <cstddef>
 
+#include "base/jet.h"
+
 /// Reflectance models whose problems are single texels. For each colour channel c
 ///     m_c = sum_k a[k][c] basis_k(terms; shape),
 /// where the last basis function alone depends on the shape, which the channels share. `Text` is a model's shared text
@@ -51,19 +53,11 @@ struct CompleteText {
         requires { Text::coefficient_bounds[Text::basis_count - 1][1]; },
         "a texel model's text must define coefficient_bounds[BASIS_COUNT][2]");
     static constexpr bool no_shape = Text::shape_count == 0;
-    static_assert(
-        no_shape ||
-            requires(typename Text::Shape s, typename Text::Terms t) {
-                { Text::shape_slope(s, t) } -> std::same_as<typename Text::Slope>;
-            },
-        "a texel model with a shape must define Slope shape_slope(Shape, Terms)");
     static constexpr bool several_lobes = requires { Text::shape_owner(0); };
     static_assert(
-        no_shape || several_lobes ||
-            requires(typename Text::Shape s, typename Text::Terms t) {
-                { Text::shape_bend(s, s, t) } -> std::same_as<typename Text::real2>;
-            },
-        "a texel model with a shape must define real2 shape_bend(Shape, Shape, Terms)");
+        no_shape || !several_lobes ||
+            requires(typename Text::Shape s, typename Text::Terms t) { Text::shape_slope(s, t); },
+        "a texel model of several lobes must define Slope shape_slope(Shape, Terms)");
     static_assert(
         no_shape ||
             requires {
@@ -74,14 +68,14 @@ struct CompleteText {
     static_assert(
         no_shape || several_lobes || requires { Text::starts[Text::start_count - 1][0]; },
         "a texel model with a shape must define start_count and starts[start_count][SHAPE_COUNT]");
+    static constexpr bool gauge = requires { Text::gauge_count; };
     static_assert(
-        no_shape ||
+        !gauge ||
             requires(typename Text::Shape s) {
-                Text::gauge_count;
                 Text::fix_gauge(s);
                 Text::gauge_tangent(s);
             },
-        "a texel model with a shape must define gauge_count, real fix_gauge(Shape&) and Shape gauge_tangent(Shape)");
+        "a texel model with gauge_count must define real fix_gauge(Shape&) and Shape gauge_tangent(Shape)");
 };
 
 template <class Text>
@@ -91,11 +85,13 @@ struct TexelLocal : CompleteText<Text> {
     static constexpr int basis = Text::basis_count, shape = Text::shape_count;
     static constexpr int parameters = 3 * basis + shape;
     static constexpr int shared = basis + shape;  ///< columns of the Jacobian that the channels share but for a factor
-    /// How many of these are independent, but for the gauge: so many samples a texel needs at least.
-    static constexpr int independent = [] {
-        if constexpr (shape > 0) return shared - Text::gauge_count;
-        return shared;
+    /// In how many directions a shape moves without effect, if the last coefficients move too.
+    static constexpr int gauge_count = [] {
+        if constexpr (CompleteText<Text>::gauge) return Text::gauge_count;
+        return 0;
     }();
+    /// How many of these are independent, but for the gauge: so many samples a texel needs at least.
+    static constexpr int independent = [] { return shared - gauge_count; }();
     using Parameters = std::array<real, size_t(parameters)>;
 
     /// The basis function that number i of the shape belongs to.
@@ -115,6 +111,44 @@ struct TexelLocal : CompleteText<Text> {
             for (int k = 0; k < basis; ++k) m[c] += p[size_t(3 * k) + c] * b.x[k];
         return m;
     }
+    /// Gradient of the last basis function by the shape: the text's, or else by numbers that carry derivatives.
+    static auto shape_slope(const typename Text::Shape& s, const Terms& t) {
+        if constexpr (requires { Text::shape_slope(s, t); }) {
+            return Text::shape_slope(s, t);
+        } else {
+            using Number = Jet<real, shape>;
+            using Made = typename Text::template with<Number>;
+            typename Made::Shape numbers;
+            for (int i = 0; i < shape; ++i) {
+                numbers.x[i] = Number(s.x[i]);
+                numbers.x[i].d[i] = real(1.0);
+            }
+            const Number last = Made::basis(numbers, constants<Made>(t)).x[basis - 1];
+            typename Text::Shape out;
+            for (int i = 0; i < shape; ++i) out.x[i] = last.d[i];
+            return out;
+        }
+    }
+    /// Its first and second derivative along d, likewise.
+    static typename Text::real2 shape_bend(const typename Text::Shape& s, const typename Text::Shape& d,
+                                           const Terms& t) {
+        if constexpr (requires { Text::shape_bend(s, d, t); }) {
+            return Text::shape_bend(s, d, t);
+        } else {
+            using First = Jet<real, 1>;
+            using Number = Jet<First, 1>;
+            using Made = typename Text::template with<Number>;
+            typename Made::Shape numbers;
+            for (int i = 0; i < shape; ++i) {
+                First x(s.x[i]);
+                x.d[0] = d.x[i];
+                numbers.x[i] = Number(x);
+                numbers.x[i].d[0] = First(d.x[i]);
+            }
+            const Number last = Made::basis(numbers, constants<Made>(t)).x[basis - 1];
+            return {last.v.d[0], last.d[0].d[0]};
+        }
+    }
     /// Row c of the Jacobian is nonzero at a[k][c], where it is column k, and at shape parameter i, where it is
     /// a[owner(i)][c] times column basis + i.
     static std::array<real, size_t(shared)> columns(const typename Text::Shape& s, const Terms& t) {
@@ -122,7 +156,7 @@ struct TexelLocal : CompleteText<Text> {
         std::array<real, size_t(shared)> q;
         for (int k = 0; k < basis; ++k) q[size_t(k)] = b.x[k];
         if constexpr (shape > 0) {
-            const auto slope = Text::shape_slope(s, t);
+            const auto slope = shape_slope(s, t);
             for (int i = 0; i < shape; ++i) q[size_t(basis + i)] = slope.x[i];
         }
         return q;
@@ -139,13 +173,21 @@ struct TexelLocal : CompleteText<Text> {
         for (size_t c = 0; c < 3; ++c)
             for (int k = 0; k < basis; ++k) out.first[c] += d[size_t(3 * k) + c] * b.x[k];
         if constexpr (shape > 0) {
-            const auto along = Text::shape_bend(s, shape_of(d), t);
+            const auto along = shape_bend(s, shape_of(d), t);
             for (size_t c = 0; c < 3; ++c) {
                 const size_t lobe = size_t(3 * (basis - 1)) + c;
                 out.first[c] += p[lobe] * along.x;
                 out.second[c] = real(2) * d[lobe] * along.x + p[lobe] * along.y;
             }
         }
+        return out;
+    }
+
+    /// Terms as numbers that no parameter enters.
+    template <class Made>
+    static typename Made::Terms constants(const Terms& t) {
+        typename Made::Terms out;
+        for (int k = 0; k < Text::term_count; ++k) out.x[k] = typename Made::real(t.x[k]);
         return out;
     }
 
@@ -158,7 +200,7 @@ struct TexelLocal : CompleteText<Text> {
     static constexpr bool bounded(int i) { return are_meant(bounds(i)); }
     /// The same values by other parameters: the only gauge in which two of them may be compared.
     static Parameters canonical(Parameters p) {
-        if constexpr (shape > 0) {
+        if constexpr (gauge_count > 0) {
             auto s = shape_of(p);
             const real factor = Text::fix_gauge(s);
             for (size_t c = 0; c < 3; ++c) p[size_t(3 * (basis - 1)) + c] = p[size_t(3 * (basis - 1)) + c] * factor;

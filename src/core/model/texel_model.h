@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -36,6 +37,8 @@ public:
     /// by shape parameter i. The value is linear in the coefficients: sum over k of p[3 k + c] out[k]. out [basis +
     /// shape]; 0 unless u_z > 0 and v_z > 0.
     virtual void columns(std::span<const float> p, const Vec3f& u, const Vec3f& v, std::span<double> out) const = 0;
+    /// Where a fit begins with one shape: model/start_sums.h.
+    virtual double coefficients_of(std::span<const float> sums, std::span<float> out) const = 0;
     /// The parameter that the canonical gauge holds at p, which is canonical: of the shape's, the one that moves most
     /// along the gauge. -1: there is no gauge.
     virtual int held_by_gauge(std::span<const float> p) const = 0;
@@ -45,8 +48,11 @@ public:
     virtual void make_canonical(std::span<float> p) const = 0;
 };
 
+/// Those that are part of the library.
 std::span<const TexelModel* const> texel_models();
-/// Null if there is none of this name.
+/// Of these and of those that were added. Null if there is none of this name.
 const TexelModel* find_texel_model(const std::string& name);
+/// One more, for as long as the program runs. Throws std::invalid_argument where there is one of this name.
+const TexelModel& add_texel_model(std::unique_ptr<const TexelModel> model);
 
 }  // namespace radiafit

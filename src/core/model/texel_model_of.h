@@ -3,6 +3,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "model/start_sums.h"
 #include "model/texel_local.h"
 #include "model/texel_model.h"
 
@@ -46,10 +47,12 @@ public:
                                                                      {double(v.x()), double(v.y()), double(v.z())});
         std::ranges::copy(Fine::columns(Fine::shape_of(q), terms), out.begin());
     }
+    double coefficients_of(std::span<const float> sums, std::span<float> out) const override {
+        return coefficients_of_sums<Text::basis_count>(sums, Text::coefficient_bounds, out);
+    }
     int held_by_gauge(std::span<const float> p) const override {
         int held = -1;
-        if constexpr (Model::shape > 0) {
-            if (Text::gauge_count == 0) return held;
+        if constexpr (Model::gauge_count > 0) {
             Parameters q;
             std::copy_n(p.begin(), q.size(), q.begin());
             const auto along = Text::gauge_tangent(Model::shape_of(q));

@@ -6,11 +6,13 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "base/hash.h"
 #include "base/json.h"
 #include "base/record.h"
 #include "dataset/checksums.h"
 #include "fit/fit_folder.h"
 #include "fitting/fit_options.h"
+#include "ownmodel/own_model.h"
 
 namespace radiafit::fits {
 namespace {
@@ -31,10 +33,12 @@ std::string fit_key(const Dataset& dataset, const FitRequest& request) {
     Json options = Json::object();
     for (const FitOption& o : fit_options())
         if (o.decides_result) options[o.name] = Json::parse(o.json(request));
+    const std::string text = text_of_model(request.model_name);
     return Json{{"program", program_name()},
                 {"dataset", fingerprint(dataset).digest},
                 {"images", dataset_checksum(dataset)},
-                {"options", options}}
+                {"options", options},
+                {"model_text", text.empty() ? "" : fmt::format("{:016x}", hash_bytes(text.data(), text.size()))}}
         .dump();
 }
 
@@ -50,6 +54,7 @@ std::string difference_of_keys(const std::string& there, const std::string& here
         found.push_back("it is of another dataset");
     else if (differ("images"))
         found.push_back("the dataset was made anew since");
+    if (differ("model_text")) found.push_back("the model's text is another");
     const Json ours = a.value("options", Json()), theirs = b.value("options", Json());
     for (const FitOption& o : fit_options())
         if (const std::string x = text_of(ours, o.name), y = text_of(theirs, o.name); o.decides_result && x != y)

@@ -12,6 +12,7 @@
 #include "fitting/limits.h"
 #include "fitting/option_rows.h"
 #include "fitting/solvers/solver.h"
+#include "ownmodel/own_model.h"
 
 namespace radiafit::fits {
 namespace {
@@ -102,9 +103,23 @@ FitOption model_option() {
         for (const std::string& name : family->models()) choices.emplace_back(name, name);
         help.emplace_back(family->help);
     }
-    return of_problem(by_data(
+    help.emplace_back("a file NAME.glsl is a texel-local model of your own (docs/texel-models.md)");
+    FitOption o =
         choice<std::string>("model", {}, &FitRequest::model_name, choices,
-                            fmt::format("{}; default: by the data, in configs lfm", fmt::join(help, "; ")).c_str())));
+                            fmt::format("{}; default: by the data, in configs lfm", fmt::join(help, "; ")).c_str());
+    o.values += ", NAME.glsl";
+    o.names_input = true;
+    o.read = [among = o.read](FitRequest& r, const std::string& text) {
+        if (is_model_file(text))
+            r.model_name = load_model(text).model->name;
+        else if (!text_of_model(text).empty())
+            r.model_name = text;
+        else
+            among(r, text);
+    };
+    o.text = [](const FitRequest& r) { return r.model_name; };
+    o.json = [](const FitRequest& r) { return dumped(r.model_name); };
+    return of_problem(by_data(std::move(o)));
 }
 
 FitOption loss_option() {

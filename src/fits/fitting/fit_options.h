@@ -24,6 +24,7 @@ struct FitOption {
     std::vector<const Family*> families;  ///< the only ones that have it; empty: all may
     bool hide_default = false;
     bool states_problem = false;             ///< says what the problems are, not how they are solved
+    bool names_input = false;                ///< its value may be a file that the fit reads
     bool decides_result = true;              ///< false: a fit comes out the same whatever its value
     bool FitRequest::*flag_value = nullptr;  ///< of a switch
     /// Throws UserError.

@@ -1,9 +1,22 @@
 #include "fitting/fitted.h"
 
+#include "base/atomic_file.h"
 #include "fitting/families/fitted_models.h"
 #include "fitting/family.h"
+#include "ownmodel/own_model.h"
 
 namespace radiafit::fits {
+namespace {
+
+template <class Model>
+void add_model_text(const Model&, const std::filesystem::path&) {}
+/// So that the fit can be opened where nobody has the file that the model came from.
+void add_model_text(const FittedReflectance& m, const std::filesystem::path& folder) {
+    const std::string text = text_of_model(m.fit.options.model->name);
+    if (!text.empty()) write_file(folder / model_text_name, text);
+}
+
+}  // namespace
 
 const Dataset& FittedDataset::of(const FitRecord& fit) {
     if (!dataset_) {
@@ -59,7 +72,10 @@ void write_fit(const std::filesystem::path& folder, Fitted& f,
     std::visit(
         [&](const auto& m) {
             if constexpr (requires { m.atlas; })
-                write_fit(folder, m.fit, *m.atlas, add_files);
+                write_fit(folder, m.fit, *m.atlas, [&](const std::filesystem::path& place) {
+                    if (add_files) add_files(place);
+                    add_model_text(m, place);
+                });
             else
                 write_fit(folder, m.fit, f.dataset().mesh, add_files);
         },

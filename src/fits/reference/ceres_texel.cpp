@@ -3,12 +3,14 @@
 #include <ceres/cost_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <unordered_map>
 
+#include "base/error.h"
 #include "model/small_solve.h"
 #include "model/texel_texts.h"
 #include "reference/ceres_status.h"
@@ -272,7 +274,9 @@ std::unique_ptr<CeresTexelSolver> ceres_texel_solver(const TexelModel& model, co
     if (model.name == std::string_view(#NAME)) return std::make_unique<OfShaded<texel_text::NAME<double>>>(options);
     RADIAFIT_TEXEL_MODELS(EACH)
 #undef EACH
-    throw std::invalid_argument("ceres_texel_solver: an unknown model");
+    throw UserError(
+        fmt::format("model {}: Ceres is compiled for the program's own models alone; choose solver stream or two-step",
+                    model.name));
 }
 
 }  // namespace radiafit::fits

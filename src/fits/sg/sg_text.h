@@ -55,10 +55,6 @@ struct SphericalGaussians {
     static constexpr auto& coefficient_bounds = free.at;
     static constexpr auto& shape_bounds = sharpness.at;
 
-    static constexpr int gauge_count = 0;
-    static real fix_gauge(Shape&) { return real(1.0); }
-    static Shape gauge_tangent(const Shape&) { return {}; }
-
     /// A lobe's starts: 32 axes over the hemisphere, each with lambda = 3, 8, 20 and 50.
     static constexpr int lobe_group = 4;
     static const std::vector<std::array<double, 3>>& lobe_starts() {

@@ -37,6 +37,7 @@ void add_fit_option(CommandLine& c, FitRequest& r, const std::string& name) {
                                                [&r, &o](const std::string& text) { o.read(r, text); });
     if (!o.flag_value) added.choices(o.choices);
     if (!o.decides_result) added.idle();
+    if (o.names_input) added.input();
     added.group(o.group);
 }
 

@@ -24,6 +24,7 @@ void add_fit(CommandLine& program, const Invocation& invocation);
 void add_merge(CommandLine& program, const Invocation& invocation);
 void add_export(CommandLine& program, const Invocation& invocation);
 void add_export_files(CommandLine& exporter);  ///< its commands for what isn't solved further
+void add_model(CommandLine& program);
 void add_solve(CommandLine& program, const Invocation& invocation);
 void add_judge(CommandLine& program);
 void add_tune(CommandLine& program);

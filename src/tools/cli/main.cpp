@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
     add_fit(program, invocation);
     add_merge(program, invocation);
     add_export(program, invocation);
+    add_model(program);
     add_solve(program, invocation);
     add_tune(program);
     add_judge(program);

@@ -6,6 +6,7 @@
 #include "fitting/family.h"
 #include "fitting/fit_options.h"
 #include "fitting/solvers/solver.h"
+#include "ownmodel/own_model.h"
 
 namespace radiafit::fits {
 namespace {
@@ -67,6 +68,7 @@ const Family texel_local_models = {
     .export_problems = export_texel_problems,
     .open =
         [](const fs::path& folder, const fs::path& moved_to) {
+            load_model_of_fit(folder, fitted_model(folder), false);
             StoredReflectance stored = read_reflectance(folder, moved_to);
             return Fitted{FittedReflectance{std::move(stored.fit), std::move(stored.atlas)}, std::move(stored.dataset)};
         },

@@ -1,0 +1,166 @@
+#include "base/compiled_library.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <memory>
+#include <optional>
+
+#include "base/atomic_file.h"
+#include "base/cache_folder.h"
+#include "base/clock.h"
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/program.h"
+#include "base/read_file.h"
+
+namespace radiafit {
+namespace {
+
+using std::filesystem::path;
+
+std::string compiler() {
+    if (const char* chosen = std::getenv("CXX"); chosen && *chosen && on_path(chosen)) return chosen;
+    for (const char* name : {"c++", "g++", "clang++"})
+        if (on_path(name)) return name;
+    throw UserError(
+        "no C++ compiler: a model's text is compiled on this machine; install one, such as Debian's package g++");
+}
+
+/// The first complaint of a compiler about the text, as "NAME:LINE: ..."; else its first.
+std::string complaint_of(const std::string& messages, const std::string& name) {
+    const std::string before = std::string(users_text_name) + ":";
+    std::string first;
+    for (size_t begin = 0; begin < messages.size();) {
+        const size_t end = std::min(messages.find('\n', begin), messages.size());
+        const std::string line = messages.substr(begin, end - begin);
+        begin = end + 1;
+        const size_t at = line.find("error: ");
+        if (at == std::string::npos) continue;
+        if (first.empty()) first = line.substr(at + 7);
+        if (!line.starts_with(before)) continue;
+        return name + ":" + line.substr(before.size(), line.find(':', before.size()) - before.size()) + ": " +
+               line.substr(at + 7);
+    }
+    constexpr std::string_view asserted = "static assertion failed: ";
+    if (first.starts_with(asserted)) first.erase(0, asserted.size());
+    return name + ": " + (first.empty() ? single_line(messages) : first);
+}
+
+/// What -march=native depends on.
+std::string instructions() {
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with("flags") || line.starts_with("Features")) return line;
+    return "";
+}
+
+std::string checksum(const std::string& bytes) {
+    return fmt::format("{:016x}", hash_bytes(bytes.data(), bytes.size()));
+}
+
+/// A folder of this user's own below the one for temporary files: what is in it is run.
+path temporary_folder() {
+    const path folder = std::filesystem::temp_directory_path() / fmt::format("radiafit-models-{}", geteuid());
+    mkdir(folder.c_str(), 0700);
+    struct stat is;
+    if (lstat(folder.c_str(), &is) != 0 || !S_ISDIR(is.st_mode) || is.st_uid != geteuid() || (is.st_mode & 022) != 0)
+        throw UserError(
+            fmt::format("{}: is no folder that only this user may write; remove it, or let XDG_CACHE_HOME name another",
+                        folder.string()));
+    return folder;
+}
+
+/// The library of this key, whose name has the checksum of its bytes, too: one that was cut or has rotted is none.
+std::optional<path> kept(const path& folder, const std::string& key) {
+    std::error_code none;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with(key + "-") && name.ends_with(".so") &&
+            name == fmt::format("{}-{}.so", key, checksum(read_file(entry.path(), "compiled model"))))
+            return entry.path();
+    }
+    return std::nullopt;
+}
+
+/// Where to compile: where models are kept, or where nobody may write there, below the folder for temporary files.
+std::unique_ptr<UnfinishedFolder> working_folder() {
+    try {
+        return std::make_unique<UnfinishedFolder>(compiled_models_folder(), "");
+    } catch (const UserError&) {
+        return std::make_unique<UnfinishedFolder>(temporary_folder(), "");
+    }
+}
+
+/// By which a library is found again: all that it is made of.
+std::string key_of(const LibrarySource& source, const std::string& program) {
+    std::string all = source.text + program + run_program({program, "-v"}).message + instructions();
+    for (const EmbeddedText& part : source.files) all += part.text;
+    for (const std::string& flag : source.flags) all += flag;
+    return checksum(all);
+}
+
+/// Returns the library.
+path compile(const LibrarySource& source, const std::string& program, const std::string& key) {
+    const std::unique_ptr<UnfinishedFolder> work = working_folder();
+    if (const auto there = kept(work->path().parent_path(), key)) return *there;
+    for (const EmbeddedText& part : source.files) {
+        const path to = work->path() / part.file;
+        std::filesystem::create_directories(to.parent_path());
+        write_file(to, part.text);
+    }
+    const path text = work->path() / "model.cpp", made = work->path() / "model.so";
+    write_file(text, source.text);
+    std::vector<std::string> command = {program};
+    command.insert(command.end(), source.flags.begin(), source.flags.end());
+    for (const std::string& folder : source.folders)
+        command.insert(command.end(), {"-I", (work->path() / folder).string()});
+    command.insert(command.end(), {"-fPIC", "-shared", "-w", "-o", made.string(), text.string(), "-lm"});
+    const Ended ended = run_program(command);
+    if (ended.status != 0) throw UserError(complaint_of(ended.message, source.name));
+    sync_to_disk(made);
+    const path library =
+        work->path().parent_path() / fmt::format("{}-{}.so", key, checksum(read_file(made, "compiled model")));
+    std::filesystem::rename(made, library);
+    return library;
+}
+
+}  // namespace
+
+path compiled_models_folder() {
+    const path cache = cache_folder();
+    return cache.empty() ? temporary_folder() : cache / "models";
+}
+
+bool CompiledLibrary::is_kept(const LibrarySource& source) {
+    return kept(compiled_models_folder(), key_of(source, compiler())).has_value();
+}
+
+CompiledLibrary::CompiledLibrary(const LibrarySource& source) {
+    const std::string program = compiler(), key = key_of(source, program);
+    std::optional<path> library = kept(compiled_models_folder(), key);
+    if (!library) {
+        const Stopwatch clock;
+        library = compile(source, program, key);
+        seconds_ = clock.wall_s();
+    }
+    library_ = dlopen(library->c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (!library_) throw SystemError(fmt::format("dlopen {} failed: {}", library->string(), dlerror()));
+}
+
+CompiledLibrary::~CompiledLibrary() {
+    if (library_) dlclose(library_);
+}
+
+void* CompiledLibrary::symbol(const char* name) const {
+    void* found = dlsym(library_, name);
+    if (!found) throw SystemError(fmt::format("dlsym {} failed: {}", name, dlerror()));
+    return found;
+}
+
+}  // namespace radiafit

@@ -1,0 +1,52 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/embedded_text.h"
+
+namespace radiafit {
+
+/// What a compiler calls the part of a source that a user wrote: after `#line 1 "model.glsl"`.
+inline constexpr const char* users_text_name = "model.glsl";
+
+struct LibrarySource {
+    std::string name;                  ///< of the user's text, in messages
+    std::string text;                  ///< C++
+    std::vector<std::string> flags;    ///< of the compiler
+    std::vector<EmbeddedText> files;   ///< that it includes
+    std::vector<std::string> folders;  ///< of these: where the compiler looks
+};
+
+/// A shared library, made by this machine's C++ compiler. What was compiled once is kept in compiled_models_folder()
+/// and taken from there.
+class CompiledLibrary {
+public:
+    /// Throws UserError: there is no compiler; or what it says of the text, "NAME:LINE: ...".
+    explicit CompiledLibrary(const LibrarySource& source);
+    ~CompiledLibrary();
+    CompiledLibrary(const CompiledLibrary&) = delete;
+    CompiledLibrary& operator=(const CompiledLibrary&) = delete;
+
+    template <class Function>
+    Function* find(const char* name) const {
+        return reinterpret_cast<Function*>(symbol(name));
+    }
+    double seconds() const { return seconds_; }  ///< that compiling took; 0: it was there
+
+    /// Whether it was compiled here before, by this user.
+    static bool is_kept(const LibrarySource& source);
+
+private:
+    void* symbol(const char* name) const;
+
+    void* library_ = nullptr;
+    double seconds_ = 0;
+};
+
+/// $XDG_CACHE_HOME/radiafit/models or ~/.cache/radiafit/models; without a home, one of this user's own below the folder
+/// for temporary files. Throws UserError where that one is somebody else's.
+std::filesystem::path compiled_models_folder();
+
+}  // namespace radiafit
