@@ -121,8 +121,8 @@ CoefficientPrior<D, R> maximized(const CoefficientPrior<D, R>& last, const Momen
     covariance = covariance / R - own * offset * offset.transpose() / R;
     if (common) covariance += borrowed * common->covariance;
     covariance /= own + borrowed;
-    next.covariance =
-        covariance + 1e-12 * covariance.trace() * Prior::Matrix::Identity(covariance.rows(), covariance.cols());
+    next.covariance = 0.5 * (covariance + covariance.transpose()) +
+                      1e-12 * covariance.trace() * Prior::Matrix::Identity(covariance.rows(), covariance.cols());
     return next;
 }
 
