@@ -130,8 +130,7 @@ struct TexelLocal : CompleteText<Text> {
         }
     }
     /// Its first and second derivative along d, likewise.
-    static typename Text::real2 shape_bend(const typename Text::Shape& s, const typename Text::Shape& d,
-                                           const Terms& t) {
+    static auto shape_bend(const typename Text::Shape& s, const typename Text::Shape& d, const Terms& t) {
         if constexpr (requires { Text::shape_bend(s, d, t); }) {
             return Text::shape_bend(s, d, t);
         } else {
@@ -146,7 +145,7 @@ struct TexelLocal : CompleteText<Text> {
                 numbers.x[i].d[0] = First(d.x[i]);
             }
             const Number last = Made::basis(numbers, constants<Made>(t)).x[basis - 1];
-            return {last.v.d[0], last.d[0].d[0]};
+            return typename Text::real2(last.v.d[0], last.d[0].d[0]);
         }
     }
     /// Row c of the Jacobian is nonzero at a[k][c], where it is column k, and at shape parameter i, where it is
