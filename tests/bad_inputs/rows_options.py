@@ -200,6 +200,8 @@ refuse("render flatfit --light {} -o new", "1,2 a,b,c 1,2,3,4", "--light")
 refuse("publish fit --megabytes {} -o new", "0 x 10001", "megabytes = ", "choose a number from 0.1 to 10000")
 refuse("publish fit --fidelity {} -o new", "19 x 101", "fidelity = ", "choose a number from 20 to 100")
 refuse("publish fit --views {} -o new", "0 x 1001", "views = ", "choose a whole number from 1 to 1000")
+refuse("publish fit --scale {} -o new", "mm 1 long nanm xmm 1parsec 1.5MM 1mmm", "scale = ", "give a number above 0 and its unit")
+refuse("publish fit --scale {} -o new", "0mm -1mm 1e10m 1..5m 1,5m", "scale = ", "choose a number from 1e-09 to 1e+09")
 rows += [
     ("publish fit -o fit", None, 2, "fit: is no page of radiafit"),
     ("publish fit --single-file -o fit/fit.json", None, 2, "fit/fit.json: is there, and is no page"),
