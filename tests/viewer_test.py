@@ -5,6 +5,7 @@ Arguments: the program, the build folder. Exit status 77 (skipped) without Chrom
 import json
 import math
 import re
+import shutil
 import sys
 import unittest
 
@@ -87,13 +88,14 @@ class Viewer(ProgramTest):
     def check_readable(self, page, fragment=""):
         """On a screen and on a telephone, everything unfolded: no text is cut, and axe-core finds neither weak contrast nor a control
         without a name."""
-        for size in SIZES:
-            self.open(page, fragment, *size)
-            self.check_reading_now(size)
+        self.open(page, fragment, *SIZES[0])
+        self.check_reading_now(page)
 
     def check_reading_now(self, what):
         self.browser.evaluate("document.querySelectorAll('details').forEach((e) => (e.open = true))")
-        self.assertEqual(self.browser.evaluate(CUT), [], what)
+        for size in SIZES:
+            self.browser.size(*size)
+            self.assertEqual(self.browser.evaluate(CUT), [], (what, size))
         if not self.axe:
             return
         self.browser.evaluate(self.axe + "; 1")
@@ -346,24 +348,23 @@ class Viewer(ProgramTest):
         """In place, as the model is drawn there later."""
         self.good("publish", "plain", "--views", "1", "--single-file", "-o", "plain.html")
         camera = self.page_data("plain_page")["views"][0]["camera"]
-        for page in ("plain_page/index.html", "plain.html"):
+        self.addCleanup(self.browser.call, "Emulation.setEmulatedMedia", features=[])
+        for page, scheme in (("plain_page/index.html", "light"), ("plain.html", "dark")):
+            self.browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
             script = self.browser.call("Page.addScriptToEvaluateOnNewDocument", source=NEVER_LOADED)["identifier"]
-            words = []
-            for size in SIZES:
-                self.browser.size(*size)
-                self.browser.open(f"file://{self.root / page}")
+            for fragment in ("", "bare"):
+                self.browser.open(f"file://{self.root / page}#{fragment}")
                 self.browser.wait_for("!!window.radiafit_viewer && document.getElementById('first_picture').complete")
-                self.assertFalse(self.browser.evaluate("document.getElementById('loading').hidden"))
-                self.check_reading_now((page, size))
-                words.append(self.browser.evaluate("document.getElementById('panel').innerText"))
+                if fragment == "":
+                    self.assertFalse(self.browser.evaluate("document.getElementById('loading').hidden"))
+                    self.check_reading_now(page)
+                    words = self.browser.evaluate("document.getElementById('panel').innerText")
             self.browser.size(camera["width"], camera["height"])
-            self.browser.open(f"file://{self.root / page}#bare")
-            self.browser.wait_for("!!window.radiafit_viewer && document.getElementById('first_picture').complete")
             first = self.browser.picture(lambda shot: shot[0] == camera["width"] and max(shot[2]) > 60)
             self.browser.call("Page.removeScriptToEvaluateOnNewDocument", identifier=script)
             self.open(page, "", *SIZES[-1])
             self.browser.evaluate("document.querySelectorAll('details').forEach((e) => (e.open = true))")
-            self.assertEqual(self.browser.evaluate("document.getElementById('panel').innerText"), words[-1])
+            self.assertEqual(self.browser.evaluate("document.getElementById('panel').innerText"), words)
             self.open(page, "bare", camera["width"], camera["height"])
             drawn = self.browser.picture(lambda shot: shot[:2] == first[:2] and psnr(shot[2], first[2]) > 25)
             self.assertGreater(psnr(drawn[2], first[2]), 25, page)
@@ -374,8 +375,18 @@ class Viewer(ProgramTest):
         said = self.browser.evaluate("document.getElementById('status').textContent")
         self.assertIn("The address asks for what this page does not have: show=gloss, view=99, colour=red, lamp=0,0,1, zoom.", said)
         self.assertEqual(self.browser.evaluate("radiafit_viewer.state.view"), self.page_data("plain_page")["first_view"])
-        self.check_reading_now("unknown values")
         self.assertEqual(self.browser.errors, [])
+
+    def test_long_names_of_photographs(self):
+        """Are not cut in the list, and stand whole below it."""
+        shutil.copytree(self.root / "plain_page", self.root / "long_names")
+        script = self.root / "long_names/data/page.js"
+        script.write_text(re.sub(r'("name": ?")view_', r"\1Museum/2026-11-28 A very long name, of which only the end differs ", script.read_text()))
+        self.open("long_names/index.html", "", *SIZES[0])
+        self.assertIn("A very long name", self.browser.evaluate("document.getElementById('view_text').textContent"))
+        names = self.browser.evaluate("[...document.getElementById('view').options].map((o) => o.text)")
+        self.assertEqual(len(set(names)), len(names))
+        self.check_reading_now("long names")
 
     def test_without_webgl(self):
         script = self.browser.call("Page.addScriptToEvaluateOnNewDocument",

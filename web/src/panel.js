@@ -46,12 +46,12 @@ const term_word = (name) => term_words.reduce((text, [from, to]) => text.replace
 
 const many_terms = 6;
 
-const short_length = 14;
+const short_length = 12;
 /** A photograph's name without folders and ending, its middle left out where it is long. */
 function short_name(name) {
     const stem = name.replace(/^.*\//, "").replace(/(.)\.[^.]*$/, "$1");
     if (stem.length <= short_length) return stem;
-    return `${stem.slice(0, 5)}…${stem.slice(6 - short_length)}`;
+    return `${stem.slice(0, 4)}…${stem.slice(5 - short_length)}`;
 }
 
 /** What was photographed, and how true the model is to it. */
