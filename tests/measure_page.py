@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 """What the pages of fits are worth in this machine's headless Chromium: megabytes, dB against `radiafit render` at held-out
-views, what the console said, and frames per second while the object turns or the lamp moves, 800 x 600 pixels.
+views, what the console said, frames per second while the object turns or the lamp moves, 800 x 600 pixels, and seconds from opening the page,
+as a folder and as one file, to its first picture and to the model's.
 
     python3 -B tests/measure_page.py RADIAFIT FIT... [--keep FOLDER]
 
-A row for each fit. --keep: pages and screenshots go there, else they are thrown away. Nothing passes or fails here: what must
+A row for each fit. --keep: pages and screenshots go there, else they are thrown away: held-out views alone, and the page as a
+screen and a telephone have it, loading and loaded. Nothing passes or fails here: what must
 hold is in viewer_test.py."""
 import argparse
 import json
@@ -15,7 +17,7 @@ import tempfile
 
 from browser import Browser
 from cli_fixture import read_png
-from viewer_test import psnr
+from viewer_test import NEVER_LOADED, SIZES, psnr
 
 VIEWS, LONGER_SIDE, SECONDS = 5, 800, 5
 
@@ -50,9 +52,32 @@ def run(program, *words, **more):
     return subprocess.run([program, *map(str, words)], check=True, capture_output=True, text=True, **more)
 
 
+def waited(browser, page):
+    """Seconds from opening a page to its first picture, and to the model's."""
+    browser.size(*SIZES[0])
+    browser.open(page.as_uri())
+    settled(browser)
+    paint = "performance.getEntriesByName('first-contentful-paint')[0]?.startTime"
+    return [round(browser.evaluate(what) / 1000, 2) for what in (paint, "radiafit_viewer.stage.drawn_first")]
+
+
+def keep_screenshots(browser, page, folder):
+    for name, script in (("loading", NEVER_LOADED), ("loaded", "")):
+        number = browser.call("Page.addScriptToEvaluateOnNewDocument", source=script)["identifier"]
+        for width, height in SIZES:
+            browser.size(width, height)
+            browser.open(page.as_uri())
+            browser.wait_for("!!window.radiafit_viewer && document.getElementById('first_picture').complete")
+            if not script:
+                settled(browser)
+            (folder / f"{name}_{width}.png").write_bytes(browser.screenshot()[1])
+        browser.call("Page.removeScriptToEvaluateOnNewDocument", identifier=number)
+
+
 def measure(program, fit, folder):
     page = folder / "page"
     run(program, "publish", fit, "-o", page)
+    run(program, "publish", fit, "--single-file", "-o", folder / "page.html")
     text = (page / "data" / "page.js").read_text()
     data = json.loads(re.fullmatch(r"window\.radiafit_page = (.*);\n", text, re.S)[1].replace("<\\/script", "</script"))
     weight = sum(path.stat().st_size for path in page.rglob("*") if path.is_file())
@@ -80,11 +105,13 @@ def measure(program, fit, folder):
         browser.open(f"{(page / 'index.html').as_uri()}#view={held_out[0]['number']}&bare")
         settled(browser)
         frames = browser.evaluate(TURN)
+        seconds = {place.name: waited(browser, place) for place in (page / "index.html", folder / "page.html")}
+        keep_screenshots(browser, page / "index.html", folder)
         errors = browser.errors
     scores = data["scores"]
     return {"fit": str(fit), "megabytes": round(weight / 1e6, 1), "of maps, dB": scores["fidelity"],
             "held out by the fit, dB": scores["psnr"], "by the page, dB": scores["shown_psnr"],
-            "against render, dB": [round(value, 1) for value in agreement], "frames per second": round(frames, 1),
+            "against render, dB": [round(value, 1) for value in agreement], "frames per second": round(frames, 1), "seconds to the first picture, the model's": seconds,
             "the console said": errors}  # fmt: skip
 
 

@@ -49,7 +49,7 @@ class Terminal(ProgramTest):
 
     def test_bars_and_colours_of_terminals(self):
         said = self.on_terminal(*self.FIT)
-        self.assertRegex(said, r"\rvertices  \[#*\.*\] +\d+%")
+        self.assertRegex(said, r"\rfit: vertices  \[#*\.*\] +\d+%")
         self.assertIn("\x1b[K", said)  # the bar goes again
         self.assertNotIn("[#", said.split("\x1b[K")[-1])
         self.assertIn("\x1b[1;31mradiafit: \x1b[0m", self.on_terminal(*self.WRONG))

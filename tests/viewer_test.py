@@ -1,17 +1,38 @@
 #!/usr/bin/env python3
 """`radiafit publish`: its pages in headless Chromium, beside what `radiafit render` draws of the same views and lamps.
 
-Arguments: the program. Exit status 77 (skipped) without Chromium, or where the program was built without the viewer."""
+Arguments: the program, the build folder. Exit status 77 (skipped) without Chromium, or where the program was built without the viewer."""
 import json
 import math
 import re
+import shutil
 import sys
 import unittest
 
 from browser import Browser, chromium
 from cli_fixture import ProgramTest, read_png, take_arguments
 from exchange_fixture import write_dome, write_gloss
+from npm_packages import installed
 
+SIZES = ((1280, 800), (390, 844))  # a screen, a telephone
+NEVER_LOADED = "window.createImageBitmap = () => new Promise(() => {});"
+# Texts that stick out of the window, or of the box they are in; entries of the list of photographs that it is too narrow for.
+CUT = """(() => {
+    const cut = [], walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    while (walk.nextNode()) {
+        const text = walk.currentNode, element = text.parentElement;
+        if (!text.data.trim() || element.matches("script, style, noscript, option, .unseen") || !element.checkVisibility()) continue;
+        const range = document.createRange();
+        range.selectNodeContents(text);
+        const { left, right } = range.getBoundingClientRect(), box = element.closest("#panel section, #panel details, #panel header, label, button, .chip").getBoundingClientRect();
+        if (left < Math.max(0, box.left) - 1 || right > Math.min(innerWidth, box.right) + 1) cut.push(text.data);
+    }
+    const list = document.getElementById("view"), style = getComputedStyle(list), pen = document.createElement("canvas").getContext("2d");
+    pen.font = style.font;
+    const room = list.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight) - 20;  // its arrow
+    for (const { text } of list.options) if (pen.measureText(text).width > room) cut.push(text);
+    return cut;
+})()"""
 AGREEMENT = 38  # dB: maps at 50 dB and more, and edges that a graphics chip's rasterizer decides otherwise
 
 
@@ -31,6 +52,10 @@ class Viewer(ProgramTest):
         if "built without the viewer" in published.stderr:
             print(f"skipped: {published.stderr.strip()}")
             raise unittest.SkipTest("no viewer")
+        packages, missing = installed(cls.build)
+        cls.axe = packages and (packages / "axe-core/axe.min.js").read_text()
+        if missing:
+            print(f"pages are not checked by axe-core: {missing}")
         cls.browser = Browser()
         cls.addClassCleanup(cls.browser.close)
 
@@ -59,6 +84,24 @@ class Viewer(ProgramTest):
     def page_data(self, page):
         text = (self.root / page / "data" / "page.js").read_text()
         return json.loads(re.fullmatch(r"window\.radiafit_page = (.*);\n", text, re.S)[1].replace("<\\/script", "</script"))
+
+    def check_readable(self, page, fragment=""):
+        """On a screen and on a telephone, everything unfolded: no text is cut, and axe-core finds neither weak contrast nor a control
+        without a name."""
+        self.open(page, fragment, *SIZES[0])
+        self.check_reading_now(page)
+
+    def check_reading_now(self, what):
+        self.browser.evaluate("document.querySelectorAll('details').forEach((e) => (e.open = true))")
+        for size in SIZES:
+            self.browser.size(*size)
+            self.assertEqual(self.browser.evaluate(CUT), [], (what, size))
+        if not self.axe:
+            return
+        self.browser.evaluate(self.axe + "; 1")
+        found = self.browser.evaluate("""axe.run({ resultTypes: ['violations'] }).then(({ violations }) =>
+            violations.map((v) => `${v.id}: ${v.help}: ${v.nodes.map((n) => n.html + ' ' + n.failureSummary).join('; ')}`))""")
+        self.assertEqual(found, [], what)
 
     def check_agreement(self, data, *render, fragment="", views=5, times=1):
         """Screenshots of some views of the page that is open, alone in the window, against `render`'s pictures of them; both so
@@ -96,6 +139,7 @@ class Viewer(ProgramTest):
             shown.append(self.browser.picture(lambda shot: psnr(shot[2], shown[-1]) < 30)[2])
         for one, other in ((0, 1), (1, 2), (2, 3), (1, 3)):
             self.assertLess(psnr(shown[one], shown[other]), 30, f"pictures {one} and {other} are the same")
+        self.check_readable("page/index.html", "known=uncertainty&layout=wipe&show=photograph")
 
     def test_light_field_map_with_linear_look_up(self):
         self.check_family("star", "--model", "lfm", "--terms", "1", "--surface", "linear", views=3)
@@ -105,18 +149,22 @@ class Viewer(ProgramTest):
 
     def test_spherical_gaussians(self):
         self.check_family("star", "--model", "sg")
+        self.check_readable("page/index.html", "show=error")
 
     def test_view_basis(self):
         data = self.check_family("star", "--model", "viewbasis", "--blocks", "8")
         nothing = "0" * len(data["model"]["terms"])
         self.turn_to(f"bare&terms={nothing}", 64, 64)
         self.assertLess(max(self.browser.picture(lambda shot: max(shot[2]) < 3)[2]), 3, "a model without any of its parts is black")
+        self.check_readable("page/index.html", "layout=beside&show=baseline")
 
     def test_reflectance_and_lamps(self):
         # Its pixels are what their centres see: in small pictures those on outlines, where rasterizers differ, would count too much.
         data = self.check_family("ornament", "--model", "lafortune", times=4)
         for lamp in ("0.3,0.2,0.9", "0.2,-1,0.1"):  # amid the photographs', and where the fit fades
             self.check_agreement(data, "--light", lamp, fragment=f"&lamp={lamp}&intensity=1", views=2, times=4)
+
+        self.check_readable("page/index.html", "lamp=0.2,-1,0.1")
 
     def test_light_basis(self):
         data = self.check_family("ornament", "--model", "lightbasis", "--numbers", "9", times=4)  # for outlines, as above
@@ -152,10 +200,18 @@ class Viewer(ProgramTest):
 
     def test_single_file_controls_and_compared_pictures(self):
         self.good("fit", "ornament", "--model", "lambert", "-o", "lambert")
-        self.good("publish", "lambert", "--single-file", "--views", "2", "-o", "one.html")
+        self.good("publish", "lambert", "--single-file", "--views", "2", "--title", "A <vase>", "--caption", "From “below”.",
+                  "--credit", "Photographs: N. N.", "--licence", "CC BY 4.0", "--scale", "2 cm", "-o", "one.html")
         self.assertIn("radiafit-page", (self.root / "one.html").read_text()[:4000])
         self.open("one.html", "", 390, 844)
         state = lambda what: self.browser.evaluate(f"radiafit_viewer.state.{what}")
+        text = lambda name: self.browser.evaluate(f"document.getElementById('{name}').textContent")
+        self.assertEqual((self.browser.evaluate("document.title"), text("title"), text("about")), ("A <vase>", "A <vase>", "From “below”."))
+        self.assertEqual(text("terms_of_use"), "Photographs: N. N.\nLicence: CC BY 4.0")
+        self.check_scale(0.02)
+        lamp, score = (self.browser.evaluate(f"document.getElementById('{name}').getBoundingClientRect().top") for name in ("lamp", "score"))
+        self.assertLess(lamp, score, "on a telephone the lamp comes first")
+        self.assertLess(lamp, 844, "and without scrolling")
         fit = self.browser.picture(lambda shot: max(shot[2]) > 60)
         for layout, show in (("alone", "photograph"), ("wipe", "photograph"), ("beside", "baseline"), ("alone", "error")):
             self.browser.evaluate(f"radiafit_viewer.act.layout('{layout}'); radiafit_viewer.act.show('{show}')")
@@ -167,11 +223,12 @@ class Viewer(ProgramTest):
         # Keys: around the object, its photographs, the lamp.
         self.browser.evaluate("document.getElementById('picture').focus()")
         self.key("ArrowLeft")
+        first = state("view")
         self.assertIsNotNone(state("pose"))
         self.assertFalse(self.browser.evaluate("document.getElementById('return').hidden"))
         self.key("]")
         self.assertIsNone(state("pose"))
-        self.assertEqual(state("view"), 1)
+        self.assertEqual(state("view"), (first + 1) % 4)
         self.browser.evaluate("document.getElementById('lamp').focus()")
         self.key("ArrowRight")
         self.assertIsNotNone(state("lamp"))
@@ -198,11 +255,32 @@ class Viewer(ProgramTest):
         self.assertGreater(state("zoom"), 1.5)
         self.assertEqual(self.browser.errors, [])
 
+    def check_scale(self, unit_metres):
+        """The bar is as long as it says, at the middle of the surface, which at twice the zoom has twice as many pixels."""
+        told = lambda: self.browser.evaluate("""(() => {
+            const { stage, state } = radiafit_viewer, { surface, views } = radiafit_page;
+            const camera = views[state.view].camera, r = camera.rotation, c = surface.centre;
+            const depth = r[6] * c[0] + r[7] * c[1] + r[8] * c[2] + camera.translation[2];
+            const perUnit = surface.grid ? 1 / Math.hypot(...surface.grid.right) : camera.fx / depth;
+            return [document.getElementById("scale_bar").getBoundingClientRect().width, document.getElementById("scale_text").textContent,
+                    stage.frame_in(stage.areas()[1]).scale * perUnit];
+        })()""")
+        for zoom in (1, 2):
+            self.browser.evaluate(f"radiafit_viewer.state.zoom = {zoom}; radiafit_viewer.stage.change(false); radiafit_viewer.act.known('colour')")
+            width, text, per_unit = told()
+            number, unit = text.split()
+            metres = float(number) * {"km": 1e3, "m": 1, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6}[unit]
+            self.assertAlmostEqual(width / (metres / unit_metres * per_unit), 1, delta=0.02, msg=f"{text} at {zoom}")
+            self.assertIn(number[0], "125")
+            self.assertTrue(25 < width < 131, width)
+        self.browser.evaluate("radiafit_viewer.act.fit()")
+        self.settle()
+
     def test_enhancement_and_raking_light_over_a_grid(self):
         """Of a flat grid, whose normals the page has from the fit."""
         width, height = self.RELIEF
         self.good("fit", self.relief(), "--model", "lightbasis", "--numbers", "9", "-o", "grid")
-        self.good("publish", "grid", "--views", "1", "-o", "grid_page")
+        self.good("publish", "grid", "--views", "1", "--scale", "1mm", "-o", "grid_page")
         data = self.page_data("grid_page")
         self.assertIn("fit_normal", [one["name"] for one in data["maps"]])
         self.open("grid_page/index.html", "bare", width, height)
@@ -227,6 +305,16 @@ class Viewer(ProgramTest):
         self.browser.evaluate("radiafit_viewer.act.turn(75, 0)")
         lamp = self.browser.evaluate("radiafit_viewer.state.lamp.join()")
         check(f"lamp={lamp}&raking", "raking/raking_000_top.png", "--raking", "15", "-o", "raking")
+
+        # Magnified, it has no steps of its texels' size: neighbours differ within what was a texel, too.
+        self.turn_to("bare", 4 * width, 4 * height)
+        shot = self.browser.picture(lambda shot: shot[:2] == (4 * width, 4 * height) and max(shot[2]) > 60)
+        row = 3 * 4 * width
+        pairs = [(shot[2][at], shot[2][at + 3]) for y in range(8, 4 * height - 8) for at in range(y * row + 24, (y + 1) * row - 27, 3)]
+        pairs = [pair for pair in pairs if max(pair) > 60]
+        self.assertGreater(sum(a != b for a, b in pairs) / len(pairs), 0.35)  # at most a fourth of them, if texels were squares
+        self.check_readable("grid_page/index.html", "raking&lamp=0.9,0.3,0.2")
+        self.check_scale(0.001)
         self.assertEqual(self.browser.errors, [])
 
     def check_enhanced(self, data, lamp, times=1):
@@ -255,6 +343,50 @@ class Viewer(ProgramTest):
         self.assertEqual(nameless, [])
         self.assertTrue(self.browser.evaluate("document.getElementById('lamp_section').hidden"))  # it keeps its light
         self.assertEqual(self.browser.errors, [])
+
+    def test_a_picture_and_all_words_before_anything_is_loaded(self):
+        """In place, as the model is drawn there later."""
+        self.good("publish", "plain", "--views", "1", "--single-file", "-o", "plain.html")
+        camera = self.page_data("plain_page")["views"][0]["camera"]
+        self.addCleanup(self.browser.call, "Emulation.setEmulatedMedia", features=[])
+        for page, scheme in (("plain_page/index.html", "light"), ("plain.html", "dark")):
+            self.browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+            script = self.browser.call("Page.addScriptToEvaluateOnNewDocument", source=NEVER_LOADED)["identifier"]
+            for fragment in ("", "bare"):
+                self.browser.open(f"file://{self.root / page}#{fragment}")
+                self.browser.wait_for("!!window.radiafit_viewer && document.getElementById('first_picture').complete")
+                if fragment == "":
+                    self.assertFalse(self.browser.evaluate("document.getElementById('loading').hidden"))
+                    self.check_reading_now(page)
+                    words = self.browser.evaluate("document.getElementById('panel').innerText")
+            self.browser.size(camera["width"], camera["height"])
+            first = self.browser.picture(lambda shot: shot[0] == camera["width"] and max(shot[2]) > 60)
+            self.browser.call("Page.removeScriptToEvaluateOnNewDocument", identifier=script)
+            self.open(page, "", *SIZES[-1])
+            self.browser.evaluate("document.querySelectorAll('details').forEach((e) => (e.open = true))")
+            self.assertEqual(self.browser.evaluate("document.getElementById('panel').innerText"), words)
+            self.open(page, "bare", camera["width"], camera["height"])
+            drawn = self.browser.picture(lambda shot: shot[:2] == first[:2] and psnr(shot[2], first[2]) > 25)
+            self.assertGreater(psnr(drawn[2], first[2]), 25, page)
+        self.assertEqual(self.browser.errors, [])
+
+    def test_an_address_that_asks_for_what_there_is_not(self):
+        self.open("plain_page/index.html", "show=gloss&view=99&colour=red&lamp=0,0,1&zoom", 1280, 800)
+        said = self.browser.evaluate("document.getElementById('status').textContent")
+        self.assertIn("The address asks for what this page does not have: show=gloss, view=99, colour=red, lamp=0,0,1, zoom.", said)
+        self.assertEqual(self.browser.evaluate("radiafit_viewer.state.view"), self.page_data("plain_page")["first_view"])
+        self.assertEqual(self.browser.errors, [])
+
+    def test_long_names_of_photographs(self):
+        """Are not cut in the list, and stand whole below it."""
+        shutil.copytree(self.root / "plain_page", self.root / "long_names")
+        script = self.root / "long_names/data/page.js"
+        script.write_text(re.sub(r'("name": ?")view_', r"\1Museum/2026-11-28 A very long name, of which only the end differs ", script.read_text()))
+        self.open("long_names/index.html", "", *SIZES[0])
+        self.assertIn("A very long name", self.browser.evaluate("document.getElementById('view_text').textContent"))
+        names = self.browser.evaluate("[...document.getElementById('view').options].map((o) => o.text)")
+        self.assertEqual(len(set(names)), len(names))
+        self.check_reading_now("long names")
 
     def test_without_webgl(self):
         script = self.browser.call("Page.addScriptToEvaluateOnNewDocument",
@@ -300,7 +432,7 @@ class Viewer(ProgramTest):
 
 
 if __name__ == "__main__":
-    (Viewer.program,) = take_arguments(1)
+    Viewer.program, Viewer.build = take_arguments(2)
     if not chromium():
         print("skipped: chromium is absent (scripts/install-packages.sh installs it)")
         sys.exit(77)

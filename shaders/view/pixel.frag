@@ -1,6 +1,7 @@
 #version 300 es
 // A pixel's linear light: the texel that it shows, or the mix of texels (geometry/surface_lookup.h), in the colours
-// that the fit's pass has drawn. On a grid the texel is the pixel of its photographs.
+// that the fit's pass has drawn. On a grid the texel is the pixel of its photographs; where these are magnified, the mix of the
+// four whose centres are around.
 // variants: GRID=-,1 STORED_SRGB=-,1
 // variants: LINEAR=-,1 STORED_SRGB=-,1
 precision highp float;
@@ -11,15 +12,37 @@ uniform sampler2D texels;
 uniform vec2 target_size;
 out vec4 light;  // premultiplied, and 1
 
+vec4 light_of(vec4 colour) {
+#ifdef STORED_SRGB
+    colour.rgb = srgb_decoded(colour.rgb);
+#endif
+    return colour;
+}
+
 #ifdef GRID
 uniform vec4 image_to_target;  // scale of the photograph in the picture, 0, and where its upper left corner is
 uniform int texel_step;  // every so many are in `texels`, along rows and columns
 
-vec4 colour_here() {
+vec4 magnified(vec2 at) {
+    ivec2 first = ivec2(floor(at - 0.5)), most = textureSize(texels, 0) - 1;
+    vec2 share = at - 0.5 - vec2(first);
+    vec4 sum = vec4(0.0);  // premultiplied
+    for (int k = 0; k < 4; ++k) {
+        ivec2 corner = ivec2(k & 1, k >> 1);
+        vec4 one = light_of(texelFetch(texels, clamp(first + corner, ivec2(0), most), 0));
+        vec2 weight = mix(1.0 - share, share, vec2(corner));
+        sum += weight.x * weight.y * one.a * vec4(one.rgb, 1.0);
+    }
+    return sum.a > 0.0 ? vec4(sum.rgb / sum.a, sum.a) : vec4(0.0);
+}
+
+vec4 light_here() {
     vec2 pixel = vec2(gl_FragCoord.x, target_size.y - gl_FragCoord.y);
-    ivec2 texel = ivec2(floor((pixel - image_to_target.zw) / image_to_target.x));
-    bool inside = all(greaterThanEqual(texel, ivec2(0))) && all(lessThan(texel / texel_step, textureSize(texels, 0)));
-    return inside ? texelFetch(texels, texel / texel_step, 0) : vec4(0.0);
+    vec2 at = (pixel - image_to_target.zw) / image_to_target.x;
+    ivec2 texel = ivec2(floor(at));
+    if (any(lessThan(texel, ivec2(0))) || any(greaterThanEqual(texel / texel_step, textureSize(texels, 0)))) return vec4(0.0);
+    if (image_to_target.x > 1.0 && texel_step == 1) return magnified(at);
+    return light_of(texelFetch(texels, texel / texel_step, 0));
 }
 #else
 #include "view/table.glsl"
@@ -106,13 +129,11 @@ vec4 colour_here() {
     return texel_at(triangle, ivec2(i, j));
 }
 #endif
+vec4 light_here() { return light_of(colour_here()); }
 #endif
 
 void main() {
-    vec4 colour = colour_here();
-    if (colour.a < 0.5) discard;
-#ifdef STORED_SRGB
-    colour.rgb = srgb_decoded(colour.rgb);
-#endif
-    light = vec4(colour.rgb, 1.0);
+    vec4 here = light_here();
+    if (here.a < 0.5) discard;
+    light = vec4(here.rgb, 1.0);
 }

@@ -200,12 +200,14 @@ refuse("render flatfit --light {} -o new", "1,2 a,b,c 1,2,3,4", "--light")
 refuse("publish fit --megabytes {} -o new", "0 x 10001", "megabytes = ", "choose a number from 0.1 to 10000")
 refuse("publish fit --fidelity {} -o new", "19 x 101", "fidelity = ", "choose a number from 20 to 100")
 refuse("publish fit --views {} -o new", "0 x 1001", "views = ", "choose a whole number from 1 to 1000")
+refuse("publish fit --scale {} -o new", "mm 1 long nanm xmm 1parsec 1.5MM 1mmm", "scale = ", "give a number above 0 and its unit")
+refuse("publish fit --scale {} -o new", "0mm -1mm 1e10m 1..5m 1,5m", "scale = ", "choose a number from 1e-09 to 1e+09")
 rows += [
     ("publish fit -o fit", None, 2, "fit: is no page of radiafit"),
     ("publish fit --single-file -o fit/fit.json", None, 2, "fit/fit.json: is there, and is no page"),
     ("render fit --view 1 --turntable 2 -o new", None, 2, "--turntable", "--view"),
     ("render fit --problems -o new", None, 2, "--problems: those of a light field map are vertices"),
-    ("render fit --light 0,0,1 -o new", None, 2, "--light: this fit's model keeps the light"),
+    ("render fit --light 0,0,1 -o new", None, 2, "--light: this fit's model keeps the light", "light field map", "--model lightbasis"),
     ("render flatfit --turntable 2 --light 0,0,1 -o new", None, 2, "--light", "the lamp that --turntable moves"),
     ("render flatfit --size 9x9 -o new", None, 2, "--size: over a grid"),
     ("render fit --full-circle -o new", None, 2, "--full-circle says nothing without --turntable"),
@@ -298,18 +300,18 @@ rows += [
     ("tiny", None, 2, "command 'tiny' does not exist", "choose one of generate, "),
     ("import", None, 2, "subcommand"),
     ("import colmp --model photos/text -o new", None, 2, "command 'colmp' does not exist", "nearest: colmap"),
-    ("fit tiny --itterations 3 -o new", None, 2, "option '--itterations' does not exist", "nearest is --iterations", "see radiafit --help"),
+    ("fit tiny --itterations 3 -o new", None, 2, "option '--itterations' does not exist", "nearest is --iterations", "see radiafit fit --help"),
     ("fit tiny --itterations=3 -o new", None, 2, "option '--itterations=3' does not exist", "nearest is --iterations"),
     ("fit tiny -q -o new", None, 2, "option '-q' does not exist"),
     ("generate star --scal smoke -o new", None, 2, "nearest is --scale"),
     ("judge fit --jsn", None, 2, "nearest is --json"),
     ("--thread 2 devices", None, 2, "nearest is --threads"),
-    ("fit tiny", None, 2, "--output is required", "see radiafit --help"),
+    ("fit tiny", None, 2, "--output is required", "see radiafit fit --help"),
     ("fit -o new", None, 2, "dataset is required"),
     ("plan", None, 2, "dataset is required"),
     ("judge", None, 2, "fit is required"),
-    ("render fit", None, 2, "--output is required"),
-    ("publish fit", None, 2, "--output is required"),
+    ("render fit", None, 2, "--output is required", "see radiafit render --help"),
+    ("publish fit", None, 2, "--output is required", "see radiafit publish --help"),
     ("generate -o new", None, 2, "shape is required"),
     ("generate star", None, 2, "--output is required"),
     ("import colmap -o new", None, 2, "is required"),

@@ -27,10 +27,10 @@ def check_mesh(more=""):
 # Points of a model
 points, binary_points = "photos/text/points3D.txt", "photos/binary/points3D.bin"
 for damage, *words in (
-    (remove(points), f"{points}: no such file: take the whole model"),
+    (remove(points), f"{points}: no such file: take the whole model", "cameras without points do for an import"),
     (folder(points), f"{points}: "),
     (fifo(points), f"{points}: "),
-    (write(points, ""), "photos/text: the model has no points: take more photographs"),
+    (write(points, ""), "photos/text: the model has no points to check its cameras by: take more photographs", "an import needs no points"),
     (write(points, "\x00\x01"), f"{points}: holds zero bytes, so it is no text"),
     (replace(points, "^0 ", "0 0 "), f"{points}:1: expected POINT3D_ID X Y Z R G B ERROR"),
     (replace(points, "9 9 9 0.5", "9 9 9 nan"), f"{points}:1: ERROR is 'nan', which is not finite"),

@@ -6,9 +6,18 @@ window.radiafit_data = (name, text) => {
     waiting.delete(name);
 };
 
-function text_of(name) {
-    const element = document.getElementById(`data-${name}`);
-    if (element) return Promise.resolve(element.textContent);
+/** The page's own element, whole; null where there is none. The page may still be on its way. */
+async function element_of(name) {
+    for (;;) {
+        const here = document.readyState !== "loading", element = document.getElementById(`data-${name}`);
+        if (here || element?.nextSibling) return element;
+        await new Promise((go) => setTimeout(go, 20));
+    }
+}
+
+async function text_of(name) {
+    const element = await element_of(name);
+    if (element) return element.textContent;
     return new Promise((resolve, reject) => {
         waiting.set(name, resolve);
         const script = document.createElement("script");

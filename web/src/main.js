@@ -1,8 +1,9 @@
 // The page that radiafit publish writes: puts its parts together.
 import { attach, attach_divider } from "./controls.js";
 import { LampDisc } from "./lamp.js";
-import { build, by_id, choose, decibels, picture_word, show_terms } from "./panel.js";
+import { build, by_id, choose, picture_word, plain_words, show_terms, view_words } from "./panel.js";
 import { Renderer } from "./renderer.js";
+import { scale_bar } from "./scale_bar.js";
 import {
     axes_of, from_disc, lamp_direction, lamp_of, on_disc, outside_of, raking_height, raking_place, scene_of, share_of, side_of,
 } from "./scene.js";
@@ -165,13 +166,13 @@ function main(renderer) {
         choose("layout", state.layout);
         choose("known", state.known);
         show_terms(state.terms, page.model.terms);
-        by_id("view_text").textContent =
-            `${view.held_out ? "Held out" : "Training"}: the fit is at ${decibels(view.psnr)}, the baseline at ${decibels(view.baseline_psnr)}.`;
+        by_id("view_text").textContent = view_words(view, page.model);
         by_id("return").hidden = !state.pose;
         show_labels(view);
         show_lamp(view);
         show_status();
         show_known();
+        show_scale();
         canvas.setAttribute("aria-label", `${page.title}: ${picture_word(state.show)}, ${view.name}`);
         clearTimeout(remembered);
         remembered = setTimeout(() => {
@@ -186,8 +187,8 @@ function main(renderer) {
     function show_labels(view) {
         const compared = state.show !== "fit" || state.layout !== "alone";
         const words = {
-            photograph: `Photograph ${view.name}`, baseline: `Baseline: ${page.model.baseline}`,
-            error: "4 × |fit − photograph|", fit: state.enhance > 0 ? "Fit, enhanced" : "Fit",
+            photograph: `Photograph ${view.name}`, baseline: `Plain: ${plain_words(page.model)}`,
+            error: "4 × |model − photograph|", fit: state.enhance > 0 ? "Model, with drawn highlights" : "Model",
         };
         const first = by_id("first_label"), second = by_id("second_label");
         first.hidden = !compared;
@@ -198,10 +199,20 @@ function main(renderer) {
         second.style.left = stacked ? "10px" : state.layout === "beside" ? "calc(50% + 10px)" : "auto";
         second.style.right = state.layout === "wipe" ? "10px" : "auto";
         second.style.top = stacked ? "calc(50% + 10px)" : "10px";
+        const halves = state.layout !== "alone" && !stacked;
+        for (const label of [first, second]) label.style.maxWidth = `calc(${halves ? 50 : 100}% - 20px)`;
         const divider = by_id("divider");
         divider.hidden = state.layout !== "wipe";
         divider.style.left = `${100 * state.divider}%`;
         divider.setAttribute("aria-valuenow", Math.round(100 * state.divider));
+    }
+
+    function show_scale() {
+        const bar = scale_bar(page, stage);
+        by_id("scale").hidden = !bar;
+        if (!bar) return;
+        by_id("scale_bar").style.width = `${bar.pixels}px`;
+        by_id("scale_text").textContent = bar.text;
     }
 
     function show_lamp(view) {
@@ -227,15 +238,16 @@ function main(renderer) {
         const far = Math.max(outside.camera, outside.lamp);
         const what = outside.lamp > outside.camera ? "lamp" : "camera";
         const share = page.model.takes_light ? share_of(page, outside) : 1;
-        const left = page.model.fades ? `${Math.round(100 * share)} % of the fit, the rest is matt` : `as from the nearest fitted ${what}`;
+        const left = page.model.fades ? `${Math.round(100 * share)} % of the model, the rest is matt` : `as from the nearest photographed ${what}`;
         const turned = what === "lamp" || "half_length" in page.model.uniforms;  // of a light basis
         const faded = share < 1 && (page.model.fades || turned) ? `; ${left}` : "";
         const words = [];
-        if (far >= 1) words.push(`The ${what} is ${Math.round(far)}° outside the fitted photographs': extrapolated${faded}.`);
+        if (far >= 1) words.push(`The ${what} is ${Math.round(far)}° beyond the photographs': guesswork${faded}.`);
         if (state.pose && state.show === "fit" && state.layout === "alone" && state.known === "colour" && far < 1)
-            words.push("Between the photographs: interpolated.");
+            words.push("Between the photographs: in between.");
         if (state.enhance > 0 && state.known === "colour" && !(state.layout === "alone" && state.show !== "fit"))
-            words.push("Specular enhancement: highlights are drawn, not photographed.");
+            words.push("Highlights are drawn, not photographed.");
+        if (state.unknown.length) words.push(`The address asks for what this page does not have: ${state.unknown.join(", ")}.`);
         by_id("status").textContent = words.join(" ");
     }
 
@@ -247,14 +259,14 @@ function main(renderer) {
             colour: { text: "" },
             samples: {
                 text: "In how many pixels of photographs each place of the surface was seen: where few saw it, little is known.",
-                title: "Samples", most: Math.round(model.most_samples),
+                title: "Coverage, pixels", most: Math.round(model.most_samples),
             },
             residual: {
-                text: `By how much the fit misses its own photographs at each place (root mean square, ${model.residual_unit}).`,
+                text: `By how much the model misses its own photographs at each place (root mean square, ${model.residual_unit}).`,
                 title: "Misfit, RMS", most: model.most_residual.toPrecision(2),
             },
             uncertainty: {
-                text: "By how much the photographs' noise moves the fit's colour at each place (standard deviation, white = 1); at the end of the scale also where the colour does not follow from the photographs.",
+                text: "By how much the photographs' noise moves the model's colour at each place (standard deviation, white = 1); at the end of the scale also where the colour does not follow from the photographs.",
                 title: "Uncertainty", most: model.most_uncertainty.toPrecision(2),
             },
         }[state.known];
@@ -267,7 +279,7 @@ function main(renderer) {
             by_id("legend_high").textContent = meaning.most;
             bar.style.background = viridis;
         } else {
-            by_id("legend_title").textContent = "|fit − photograph|, sRGB";
+            by_id("legend_title").textContent = "|model − photograph|, sRGB";
             by_id("legend_low").textContent = "0";
             by_id("legend_high").textContent = "¼ of white";
             bar.style.background = "linear-gradient(90deg,#000,#fff)";
@@ -297,10 +309,17 @@ function main(renderer) {
         changed(false);
     });
     new ResizeObserver(show).observe(canvas);
+    if (state.known !== "colour" || state.terms.includes(0)) by_id("advanced").open = true;
     show();
-    by_id("loading").hidden = true;
     window.radiafit_viewer = { act, state, stage };
+    return stage;
 }
+
+/** After what the page says so far has come to the screen; of a page that is not seen, soon. */
+const shown = () => new Promise((go) => {
+    requestAnimationFrame(() => setTimeout(go));
+    setTimeout(go, 300);
+});
 
 // What a device held is gone when it was reset, or taken away: the page begins anew as soon as there is one.
 canvas.addEventListener("webglcontextlost", (event) => {
@@ -317,8 +336,14 @@ async function start() {
     const advance = () => (by_id("loading_bar").value = ++done / steps);
     try {
         const renderer = new Renderer(canvas, page);
+        const stage = main(renderer);
+        await shown();
         await renderer.load(advance);
-        main(renderer);
+        stage.begin(() => {
+            document.body.classList.remove("loading");
+            by_id("loading").hidden = true;
+            by_id("first_picture").hidden = true;
+        });
     } catch (error) {
         fail(error.message);
         throw error;

@@ -19,6 +19,7 @@ export class Stage {
     /** `scene_of(state)`: what Renderer.set_scene() takes. */
     constructor(canvas, renderer, page, state, scene_of) {
         Object.assign(this, { canvas, renderer, page, state, scene_of });
+        this.begun = false;       // there is something to draw with
         this.stored = new Map();  // textures by name, or the promise of one
         this.level = 0;           // of levels
         this.pace = fast_ms;      // of a frame, on average
@@ -53,8 +54,16 @@ export class Stage {
         this.ask();
     }
     ask() {
+        if (!this.begun) return;
         this.canvas.dataset.state = "drawing";
         if (!this.asked) this.asked = requestAnimationFrame((now) => this.frame(now));
+    }
+
+    /** The renderer is loaded. `drawn()` follows the first picture that is whole. */
+    begin(drawn) {
+        this.begun = true;
+        this.drawn = drawn;
+        this.ask();
     }
 
     view() {
@@ -124,8 +133,12 @@ export class Stage {
         }
         this.present(stored_area, fit_area);
         const whole = !this.coarse && this.renderer.pictures >= points.length && !this.missing;
-        if (whole) this.canvas.dataset.state = "still";
-        else if (!this.missing || this.coarse || this.renderer.pictures < points.length) this.ask();
+        if (whole) {
+            this.canvas.dataset.state = "still";
+            this.drawn_first ??= now;  // milliseconds since the page was opened
+            this.drawn?.();
+            this.drawn = null;
+        } else if (!this.missing || this.coarse || this.renderer.pictures < points.length) this.ask();
     }
 
     /** While something moves; a grid as fine as the picture. */

@@ -9,41 +9,47 @@ export const meanings = ["colour", "samples", "residual", "uncertainty"];
 /** What can be told of places of this model's fit. */
 export const meanings_of = (model) => meanings.filter((m) => m !== "uncertainty" || model.most_uncertainty > 0);
 
-export function state_of(hash, { views, model }) {
+/** `unknown`: what the address asks for and the page does not have, "key=value" each. */
+export function state_of(hash, { views, model, first_view }) {
     const terms = model.terms.length;
     const asked = new URLSearchParams(hash.replace(/^#/, ""));
     const state = {
-        view: 0, pose: null, zoom: 1, pan: [0, 0],
+        view: first_view, pose: null, zoom: 1, pan: [0, 0],
         show: "fit", layout: "alone", divider: 0.5,
         lamp: null, raking: false, brightness: 1, intensity: null, enhance: 0,
-        terms: Array(terms).fill(1), known: "colour", bare: asked.has("bare"),
+        terms: Array(terms).fill(1), known: "colour", bare: asked.has("bare"), unknown: [],
     };
-    const one_of = (key, choices) => {
-        if (choices.includes(asked.get(key))) state[key] = asked.get(key);
+    // What a value says of the state, or null.
+    const one_of = (key, choices) => (text) => (choices.includes(text) ? { [key]: text } : null);
+    const number = (key, holds) => (text) => (text !== "" && holds(Number(text)) ? { [key]: Number(text) } : null);
+    const list = (count, said) => (text) => {
+        const values = numbers(text);
+        return values.length === count ? said(values) : null;
     };
-    one_of("show", pictures);
-    one_of("layout", layouts);
-    one_of("known", meanings_of(model));
-    const view = Number(asked.get("view") ?? -1);
-    state.view = Math.max(0, views.findIndex((v) => v.number === view));
-    const lamp = numbers(asked.get("lamp") ?? "");
-    if (lamp.length === 3 && lamp.some((x) => x !== 0)) state.lamp = lamp.map((x) => x / Math.hypot(...lamp));
+    const positive = (x) => x > 0 && x < Infinity, share = (x) => x >= 0 && x <= 1;
+    const readers = {
+        show: one_of("show", pictures), layout: one_of("layout", layouts), known: one_of("known", meanings_of(model)),
+        view(text) {
+            const view = views.findIndex((v) => String(v.number) === text);
+            return view >= 0 ? { view } : null;
+        },
+        lamp: list(3, (v) => (model.takes_light && v.some((x) => x !== 0) ? { lamp: v.map((x) => x / Math.hypot(...v)) } : null)),
+        enhance: number("enhance", (x) => model.enhancement && share(x)),
+        intensity: number("intensity", positive),
+        brightness: number("brightness", positive),
+        terms: (text) => (text.length === terms && /^[01]*$/.test(text) ? { terms: [...text].map(Number) } : null),
+        pose: list(12, (v) => ({ pose: { right: v.slice(0, 3), down: v.slice(3, 6), forward: v.slice(6, 9), eye: v.slice(9) } })),
+        frame: list(3, (v) => (v[0] > 0 ? { zoom: v[0], pan: v.slice(1) } : null)),
+        divider: number("divider", share),
+        raking: () => ({}),
+        bare: () => ({}),
+    };
+    for (const [key, text] of asked) {
+        const said = Object.hasOwn(readers, key) ? readers[key](text) : null;
+        if (said) Object.assign(state, said);
+        else state.unknown.push(text ? `${key}=${text}` : key);
+    }
     state.raking = state.lamp !== null && asked.has("raking");
-    const enhance = Number(asked.get("enhance") ?? NaN);
-    if (model.enhancement && enhance >= 0 && enhance <= 1) state.enhance = enhance;
-    const intensity = Number(asked.get("intensity") ?? NaN);
-    if (intensity > 0) state.intensity = intensity;
-    const brightness = Number(asked.get("brightness") ?? NaN);
-    if (brightness > 0) state.brightness = brightness;
-    const switched = asked.get("terms") ?? "";
-    if (switched.length === terms) state.terms = [...switched].map((c) => (c === "0" ? 0 : 1));
-    const pose = numbers(asked.get("pose") ?? "");
-    if (pose.length === 12)
-        state.pose = { right: pose.slice(0, 3), down: pose.slice(3, 6), forward: pose.slice(6, 9), eye: pose.slice(9) };
-    const frame = numbers(asked.get("frame") ?? "");
-    if (frame.length === 3 && frame[0] > 0) [state.zoom, state.pan] = [frame[0], frame.slice(1)];
-    const divider = Number(asked.get("divider") ?? NaN);
-    if (divider >= 0 && divider <= 1) state.divider = divider;
     return state;
 }
 

@@ -10,6 +10,7 @@
 
 #include "base/clock.h"
 #include "base/printable.h"
+#include "base/running_command.h"
 #include "base/standard_streams.h"
 
 namespace radiafit {
@@ -21,6 +22,7 @@ constexpr double plain_period_s = 10;
 std::atomic<bool> is_quiet{false};
 std::mutex output_mutex;
 bool bar_on_screen = false;  // guarded by output_mutex: a message first clears the bar's line
+std::string running_command;
 
 std::string_view environment(const char* variable) {
     const char* text = std::getenv(variable);
@@ -58,7 +60,14 @@ std::string duration(double time_s) {
     return fmt::format("{}:{:02}", seconds / 60, seconds % 60);
 }
 
+/// "fit: texels"
+std::string of_command(std::string task) {
+    return running_command.empty() || task == running_command ? std::move(task) : running_command + ": " + task;
+}
+
 }  // namespace
+
+void set_running_command(std::string words) { running_command = std::move(words); }
 
 void set_quiet(bool quiet) { is_quiet = quiet; }
 bool quiet() { return is_quiet; }
@@ -86,7 +95,7 @@ std::string progress_bar(std::string_view task, size_t done, size_t total, doubl
 }
 
 Progress::Progress(std::string task, size_t total)
-    : task_(std::move(task)), total_(total), start_s_(wall_time_s()), shown_s_(start_s_) {}
+    : task_(of_command(std::move(task))), total_(total), start_s_(wall_time_s()), shown_s_(start_s_) {}
 
 Progress::~Progress() { finish(); }
 

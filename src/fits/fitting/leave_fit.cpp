@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "dataset/checksums.h"
 #include "fitting/baseline_check.h"
+#include "fitting/family.h"
 #include "fitting/fit_options.h"
 
 namespace radiafit::fits {
@@ -50,6 +51,21 @@ std::string summary_of(const FitRun& run, const FitRequest& request, const FitRe
     line += fmt::format("error {:.6g} -> {:.6g}", run.trace.rows.front().error, run.trace.rows.back().error);
     const std::string ending = ending_of(run.trace, counts[size_t(Status::max_iterations)], problems);
     return line + (ending.empty() ? ", " : fmt::format(" ({}), ", ending));
+}
+
+constexpr double usual_unseen = 0.2;  // of the surface: undersides, hollows, what stood on the ground
+
+/// "212 of 4096 texels in no photograph": what of the surface no sample shows, and whether that is bad.
+std::string unseen_part(const FitRecord& record, const FitRequest& request, bool over_grid) {
+    const bool vertices = family_of(request).kind == ModelKind::light_field;  // with a problem for each channel
+    const size_t each = vertices ? 3 : 1, all = record.status.size() / each;
+    const size_t unseen = record.status_counts()[size_t(Status::no_samples)] / each;
+    const std::string what = fmt::format("{} of {} {}", unseen, all, vertices ? "vertices" : "texels");
+    if (over_grid && unseen > 0) return what + " outside the mask, or in no image";
+    if (unseen == 0) return fmt::format("photographs show all {} {}", all, vertices ? "vertices" : "texels");
+    if (double(unseen) <= usual_unseen * double(all))
+        return what + " in no photograph, which is usual: undersides, hollows";
+    return what + " in no photograph, which is much: photograph those sides too, or cut them off the mesh";
 }
 
 /// What a fit came to, on standard output.
@@ -105,13 +121,13 @@ void leave(const FitTarget& target, const Dataset& dataset, const FitRequest& re
     require_result(record, dataset);
     if (target.covariance) find_error_bars(done.fit, {});
     save_fit(target.out, done, request, begun);
-    const auto counts = record.status_counts();
     if (target.json)
         print_json(target.out, done, request);
     else
-        log_info(fmt::format("{} {}{}{} problems without samples, {} not finite; see {}", request.text("model"),
-                             summary_of(done.run, request, record), done.note, counts[size_t(Status::no_samples)],
-                             counts[size_t(Status::not_finite)], target.out));
+        log_info(fmt::format("{} {}{}{}; {} not finite; see {}", request.text("model"),
+                             summary_of(done.run, request, record), done.note,
+                             unseen_part(record, request, dataset.has_grid()),
+                             record.status_counts()[size_t(Status::not_finite)], target.out));
     if (!target.check) return;
     const auto check = check_against_baseline(done.fit);
     if (check && check->baseline_is_better())

@@ -7,6 +7,7 @@
 #include "base/config.h"
 #include "base/hash.h"
 #include "base/log.h"
+#include "base/running_command.h"
 #include "base/wording.h"
 #include "command_line/input_state.h"
 
@@ -35,12 +36,21 @@ std::vector<std::string> options_of(const CLI::App& app) {
     return names;
 }
 
+/// A command's name below the program's: "import colmap".
+std::string words_of(const CLI::App& command) {
+    std::string words;
+    for (const CLI::App* at = &command; at->get_parent(); at = at->get_parent())
+        words = at->get_name() + (words.empty() ? "" : " " + words);
+    return words;
+}
+
 /// One line for a command line that could not be parsed.
 std::string explain(const CLI::App& app, const CLI::ParseError& error) {
     const CLI::App& command = reached(app);
     const std::vector<std::string> rest = app.remaining(true), commands = commands_of(command);
     const std::string unknown = rest.empty() ? "" : rest.front();
-    const std::string help = fmt::format("see {} --help", app.get_name());
+    const std::string help =
+        fmt::format("see {} {}--help", app.get_name(), words_of(command).append(command.get_parent() ? " " : ""));
     if (unknown.starts_with("-"))
         return fmt::format("option '{}' does not exist; the nearest is {}; {}", unknown,
                            nearest(unknown.substr(0, unknown.find('=')), options_of(command)), help);
@@ -102,7 +112,10 @@ CommandLine& CommandLine::add_command(const std::string& name, const std::string
 }
 
 void CommandLine::on_run(std::function<void()> run) {
-    app_->callback([this, run = std::move(run)] { targets_ ? run_once(run) : run(); });
+    app_->callback([this, run = std::move(run)] {
+        set_running_command(words_of(*app_));
+        targets_ ? run_once(run) : run();
+    });
 }
 
 void CommandLine::writes(std::function<std::vector<OutputTarget>()> targets, std::function<void()> tell_done,
@@ -125,9 +138,7 @@ void CommandLine::run_once(const std::function<void()>& run) const {
 }
 
 MadeBy CommandLine::made_by_this() const {
-    std::string words, all;
-    for (const CLI::App* at = app_; at->get_parent(); at = at->get_parent())
-        words = at->get_name() + (words.empty() ? "" : " " + words);
+    std::string all;
     for (const CLI::Option* option : app_->get_options()) {
         const auto found = notes_.find(option);
         if (found == notes_.end() || found->second.idle || option->count() == 0) continue;
@@ -137,7 +148,7 @@ MadeBy CommandLine::made_by_this() const {
     }
     if (more_input_)
         for (const std::filesystem::path& path : more_input_()) all += input_state(path) + "\n";
-    return {words, fmt::format("{:016x}", hash_byte_by_byte(all.data(), all.size()))};
+    return {words_of(*app_), fmt::format("{:016x}", hash_byte_by_byte(all.data(), all.size()))};
 }
 
 bool CommandLine::parse(int argc, const char* const* argv) {

@@ -94,7 +94,10 @@ std::vector<SparsePoint> read_colmap_points(const std::filesystem::path& folder,
     const bool binary = calibration.images_file.extension() == ".bin";
     const std::filesystem::path file = folder / (binary ? "points3D.bin" : "points3D.txt");
     if (!path_exists(file))
-        throw UserError(fmt::format("{}: no such file: take the whole model, with its points", file.string()));
+        throw UserError(
+            fmt::format("{}: no such file: take the whole model, with its points; cameras without points do for "
+                        "an import alone",
+                        file.string()));
     return binary ? read_binary(file, place_of) : read_text(file, place_of);
 }
 

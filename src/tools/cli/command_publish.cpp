@@ -62,8 +62,10 @@ void publish_fit(const PublishCommand& o) {
                                            o.page);
     write_page(o.output, o.single_file, outcome.page);
     log_info(text_of(outcome));
-    log_info(fmt::format("{}: {:.1f} MB", o.single_file ? o.output : o.output + "/index.html",
-                         double(outcome.page.written_bytes()) / 1e6));
+    const double megabytes = double(outcome.page.written_bytes()) / 1e6;
+    log_info(o.single_file ? fmt::format("{}: {:.1f} MB; open it in a browser", o.output, megabytes)
+                           : fmt::format("{}: a folder of {:.1f} MB; open {}/index.html in a browser", o.output,
+                                         megabytes, o.output));
 }
 
 }  // namespace
@@ -80,6 +82,13 @@ void add_publish(CommandLine& program) {
                        "dB: PSNR of the page's pictures against the fit's own, where megabytes allow");
     command.add_number("--views", o->page.views, limits::page_views,
                        "photographs of each kind, held-out and training, at most");
+    command.add_text("--title", o->page.words.title, "of the page, in place of the dataset's name");
+    command.add_text("--caption", o->page.words.caption, "below the title: what is to be seen, in a sentence or two");
+    command.add_text("--credit", o->page.words.credit, "who is to be named: photographer, collection");
+    command.add_text("--licence", o->page.words.licence, "terms under which the page may be used, such as 'CC BY 4.0'");
+    command.add("--scale", "TEXT", "",
+                "how long one unit of the surface's coordinates is, such as 1mm: the page has a scale bar",
+                [o](const std::string& text) { o->page.words.unit_metres = parse_length("scale", text); });
     command.add_text("--dataset", o->dataset, "where the dataset is now, if it moved").idle();
     command.add_text("-o,--output", o->output, "folder of the page, or file for --single-file").required().idle();
     command.writes([o] {

@@ -127,7 +127,7 @@ void check_render_output(const RenderOptions& o) {
     if (!o.video.empty() && o.turntable == 0 && !o.raking)
         throw UserError("--video says nothing without --turntable or --raking; add --turntable 60, say");
     if (o.directions && !o.raking) throw UserError("--directions says nothing without --raking; add --raking 15, say");
-    if (o.output.empty() && o.video.empty()) throw UserError("--output is required; see radiafit --help");
+    if (o.output.empty() && o.video.empty()) throw UserError("--output is required; see radiafit render --help");
     const std::filesystem::path name = picture_stem(o.output).filename();
     if (!o.makes_many() && (name.empty() || name == "." || name == ".."))
         throw UserError(fmt::format("--output {}: names a folder; name a file in it", o.output));

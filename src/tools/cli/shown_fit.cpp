@@ -37,9 +37,9 @@ Contestant shown_fit(const RenderOptions& options, Fitted& fitted) {
 void require_lamps(const Fitted& fitted, const char* option) {
     if (!takes_light(fitted))
         throw UserError(
-            fmt::format("{}: this fit's model keeps the light it was photographed under; fit one for lamps "
-                        "to images whose lamp moves",
-                        option));
+            fmt::format("{}: this fit's model keeps the light that it was photographed under ({}); a model for lamps, "
+                        "such as --model lightbasis, is fitted to images whose lamp moves",
+                        option, description_of(fitted)));
 }
 
 std::string share_in_words(const Fitted& fitted, double share) {

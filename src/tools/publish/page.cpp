@@ -51,9 +51,10 @@ std::string in_text(std::string text) {
     return replaced(replaced(replaced(std::move(text), "&", "&amp;"), "<", "&lt;"), "\"", "&quot;");
 }
 
-/// web/index.html with what its three places hold: title, style and scripts.
+/// web/index.html with what its places hold: title, first picture, style and scripts.
 std::string html(const Page& page, const std::string& scripts) {
     std::string out(viewer_text(index_name));
+    out = replaced(std::move(out), "@PICTURE@", "data:image/webp;base64," + base64(page.picture));
     out = replaced(std::move(out), "@TITLE@", in_text(page.title));
     out = replaced(std::move(out), "/*STYLE*/", viewer_text("style.css"));
     return replaced(std::move(out), "<!--SCRIPTS-->", scripts);
@@ -63,9 +64,9 @@ std::string page_script(const Page& page) { return "window.radiafit_page = " + i
 
 std::string whole_html(const Page& page) {
     std::string scripts = "<script>" + page_script(page) + "</script>\n";
+    scripts += "<script>" + in_script(viewer_text(program_name)) + "</script>\n";  // it begins before the rest is here
     for (const auto& [name, bytes] : page.blobs)
         scripts += fmt::format("<script type=\"text/plain\" id=\"data-{}\">{}</script>\n", name, base64(bytes));
-    scripts += "<script>" + in_script(viewer_text(program_name)) + "</script>";
     const std::string made = made_by_remark();
     if (made.empty()) return html(page, scripts);
     return replaced(html(page, scripts), mark,
@@ -97,7 +98,7 @@ bool is_own(const fs::path& name) {
 }  // namespace
 
 uint64_t Page::written_bytes() const {
-    uint64_t bytes = json.size();
+    uint64_t bytes = json.size() + (picture.size() + 2) / 3 * 4;
     for (const auto& [name, blob] : blobs) bytes += (blob.size() + 2) / 3 * 4 + name.size() + 50;
     for (const EmbeddedText& text : embedded_viewer()) bytes += text.text.size();
     return bytes;

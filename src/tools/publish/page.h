@@ -11,6 +11,7 @@ struct Page {
     std::string title;
     std::string json;
     std::vector<std::pair<std::string, std::string>> blobs;  ///< name, bytes
+    std::string picture = {};                                ///< WebP: what is shown until the page can draw
     uint64_t written_bytes() const;                          ///< about so many, blobs in base64
 };
 

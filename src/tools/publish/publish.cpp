@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "base/wording.h"
 #include "publish/choices.h"
+#include "publish/first_view.h"
 #include "publish/pages.h"
 #include "publish/scene_json.h"
 #include "publish/steps.h"
@@ -97,14 +98,19 @@ PublishOutcome publish(Published fit, const PublishOptions& options) {
     const Dataset& dataset = fit.dataset;
     PublishOutcome out;
     Page& page = out.page;
-    page.title = dataset.name;
+    const PageWords& words = options.words;
+    page.title = words.title.empty() ? dataset.name : words.title;
     if (fit.fit.error_bars) add_uncertainty(fit);
     if (!fit.fit_normals.empty()) add_fit_normals(fit);
     const auto held_out = dataset.split(true);
     out.split = held_out.empty() ? Split::train : Split::test;
 
     Json json = {{"format", page_format},
-                 {"title", dataset.name},
+                 {"title", page.title},
+                 {"caption", words.caption},
+                 {"credit", words.credit},
+                 {"licence", words.licence},
+                 {"unit_metres", words.unit_metres ? Json(*words.unit_metres) : Json()},
                  {"about", dataset.description},
                  {"source", dataset.source},
                  {"pixel_points", PixelAreas(dataset).points()},
@@ -122,6 +128,9 @@ PublishOutcome publish(Published fit, const PublishOptions& options) {
         views.push_back(Json::parse(view_json(fit, chosen[i], judged[i], baseline, page)));
     }
     json["views"] = views;
+    const size_t first = first_view(dataset, fit.training, chosen);
+    json["first_view"] = first;
+    page.picture = picture_of(judged[first], dataset.encoding);
     page.json = json_text(json);
 
     // Where a map's numbers cancel, the effect of noise on it alone tells too little: then finer ones are tried.

@@ -4,6 +4,7 @@
 #include "eval/judge.h"
 #include "publish/page.h"
 #include "publish/page_model.h"
+#include "publish/page_words.h"
 
 namespace radiafit::tools {
 
@@ -27,6 +28,7 @@ struct PublishOptions {
         50;  ///< dB: PSNR of the page's pictures against the fit's; less where the page would be too large
     double megabytes = 30;  ///< of the page, at most
     int views = 8;          ///< of each split whose photographs are on the page, at most
+    PageWords words = {};
 };
 
 /// How much of the fit the page keeps: stated on it, and to the user.

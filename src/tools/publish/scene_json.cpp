@@ -25,6 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int largest_picture = 1280;  // pixels a side; larger photographs are halved
+constexpr int largest_first_picture = 640;
 constexpr float photograph_quality = 85, baseline_quality = 75;
 
 Json json_of(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -45,9 +46,9 @@ std::string add_blob(Page& page, const std::string& name, std::string bytes) {
     return name;
 }
 
-/// The surface's rows of the picture, halved until they are small enough.
-ByteRaster halved(ByteRaster image) {
-    while (std::max(image.width, image.height) > largest_picture) {
+/// The picture, halved until it is small enough.
+ByteRaster halved(ByteRaster image, int largest) {
+    while (std::max(image.width, image.height) > largest) {
         ByteRaster half{image.width / 2, image.height / 2, image.channels, {}};
         half.bytes.resize(size_t(half.width) * size_t(half.height) * size_t(half.channels));
         const size_t channels = size_t(image.channels), row = size_t(image.width) * channels;
@@ -241,7 +242,7 @@ std::string view_json(const Published& fit, uint32_t number, const JudgedView& j
                       Page& page) {
     const View& view = fit.dataset.views[number];
     const auto picture = [&](const char* what, const JudgedView& of, const std::vector<float>& stored, float quality) {
-        const ByteRaster raster = halved(raster_of(of, stored, fit.dataset.encoding));
+        const ByteRaster raster = halved(raster_of(of, stored, fit.dataset.encoding), largest_picture);
         return add_blob(page, fmt::format("{}{:04}", what, number), lossy_webp(raster, quality));
     };
     Json out = {{"number", number},
@@ -255,6 +256,10 @@ std::string view_json(const Published& fit, uint32_t number, const JudgedView& j
                 {"baseline", picture("baseline", baseline, baseline.render, baseline_quality)}};
     if (view.light) out["light"] = light_json(*view.light);
     return json_text(out);
+}
+
+std::string picture_of(const JudgedView& judged, Encoding encoding) {
+    return lossy_webp(halved(raster_of(judged, judged.render, encoding), largest_first_picture), baseline_quality);
 }
 
 }  // namespace radiafit::tools

@@ -19,5 +19,7 @@ std::string directions_json(const Published& fit);
 /// A view with its photograph and the baseline's picture of it.
 std::string view_json(const Published& fit, uint32_t view, const JudgedView& judged, const JudgedView& baseline,
                       Page& page);
+/// The fit's picture of a view as a small WebP: what a page shows until it can draw.
+std::string picture_of(const JudgedView& judged, Encoding encoding);
 
 }  // namespace radiafit::tools

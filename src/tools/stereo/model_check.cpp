@@ -63,7 +63,11 @@ void find_what_is_poor(ModelCheck& check) {
 ModelCheck check_model(const std::filesystem::path& folder, const std::filesystem::path& photographs) {
     const Calibration model = read_colmap(folder);
     const std::vector<SparsePoint> points = read_colmap_points(folder, model);
-    if (points.empty()) throw UserError(fmt::format("{}: the model has no points: {}", folder.string(), retake));
+    if (points.empty())
+        throw UserError(
+            fmt::format("{}: the model has no points to check its cameras by: {}; where cameras are known otherwise, "
+                        "an import needs no points, and checks them by the mesh",
+                        folder.string(), retake));
     ModelCheck check;
     std::map<std::string, ModelCheck::Photograph> all;
     for (const std::string& name : list_images(photographs)) all[name].name = name;

@@ -42,7 +42,8 @@ std::string description_of(const FittedLightField& m) {
     const int least = o.sides ? *std::ranges::min_element(*o.sides) : o.surface_side;
     const std::string side =
         o.sides ? fmt::format("sides {} to {}", least, o.surface_side) : fmt::format("side {}", o.surface_side);
-    return fmt::format("{} terms, surface maps of {}, view maps of side {}", o.terms, side, o.view_side);
+    return fmt::format("light field map of {} terms, surface maps of {}, view maps of side {}", o.terms, side,
+                       o.view_side);
 }
 
 Contestant contestant_of(const FittedLightField& m, const Dataset& dataset) {
