@@ -31,8 +31,7 @@ std::string text_of(const ModelText& model, Precision precision) {
         "#include \"batch/kernel/numbers.h\"\n#define SHARED_FN inline\n#define SELECT(c, a, b) real::select(c, a, "
         "b)\n";
     text += "namespace model_text {\n";
-    text += fmt::format("using real = radiafit::Jet<radiafit::batch::Wide<{}>, {}>;\n", real,
-                        model.parameters.size());
+    text += fmt::format("using real = radiafit::Jet<radiafit::batch::Wide<{}>, {}>;\n", real, model.parameters.size());
     text += fmt::format("#line 1 \"{}\"\n{}\n", users_text_name, model.text);
     text += "#line 1 \"model.cpp\"\n}\n#undef SELECT\n";
     text +=
