@@ -326,10 +326,11 @@ TEST_F(CoverageTest, SaysHowMuchOfTheMasksTheMeshCovers) {
     write_sphere(1, Vec3d::Zero());
     import();
     EXPECT_GT(report_.coverage, 0.95);
-    ASSERT_EQ(report_.remarks.size(), 3u);
+    ASSERT_EQ(report_.remarks.size(), 4u);
     expect_in("masks are named NAME.png", report_.remarks[0]);
     expect_in("8-bit PNG: taken as sRGB", report_.remarks[1]);
     expect_in("% of the masks, 100 % of what shows of it is inside", report_.remarks[2]);
+    expect_in("applied", report_.remarks[3]);  // whether gains are
     options_.masks.clear();
     fs::remove_all(root_ / "set");
     import();
