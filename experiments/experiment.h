@@ -23,7 +23,7 @@ class Context;
 namespace radiafit::harness {
 
 /// The paper's claims are judged on pictures as graphics hardware draws them: a pixel is what its centre sees.
-inline constexpr JudgeOptions at_pixel_centres{.pixel_points = 1};
+inline const JudgeOptions at_pixel_centres{.pixel_points = 1};
 
 /// What --run is followed by: an earlier run, whose figure alone is to be drawn; or runs, to be judged in place of the
 /// checkout's.

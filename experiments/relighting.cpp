@@ -116,8 +116,9 @@ void judge_capture(const Dataset& dataset, const Options& o, const fs::path& ren
     };
     for (const Method& method : o.fits) add(judged(method.name, method.setting, dataset));
     if (o.tune_seconds > 0) {
-        const std::vector<TriedSetting> tried = tune(dataset, {.seconds = o.tune_seconds, .fixed = {}});
-        add(judged(fmt::format("what tune recommends within {:g} s", o.tune_seconds), tried.front().setting, dataset));
+        const Tuned tuned = tune(dataset, {.seconds = o.tune_seconds, .fixed = {}});
+        add(judged(fmt::format("what tune recommends within {:g} s", o.tune_seconds),
+                   tuned.tried[tuned.recommended].setting, dataset));
     }
     if (!fs::is_directory(renders)) return;
     std::vector<fs::path> programs;

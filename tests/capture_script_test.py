@@ -32,6 +32,54 @@ def write_points(points, out):
     out.write_bytes(data)
 
 
+class TimeLeft(unittest.TestCase):
+    """datasets/scripts/time_left.awk, on times that are made up."""
+
+    EXPECTED = (("all", 67), ("all", 976), ("one", 20), ("all", 11), ("all", 570), ("all", 30), ("all", 48), ("clock", 300), ("all", 220), ("all", 60))
+    CORES = 2
+
+    def left(self, rows):
+        text = "".join(" ".join(map(str, row)) + "\n" for row in rows)
+        awk = ["awk", "-f", CHECKOUT / "datasets/scripts/time_left.awk", "-v", f"cores={self.CORES}"]
+        return int(subprocess.run(awk, input=text, capture_output=True, text=True, check=True).stdout)
+
+    def check(self, factors, waits, trusted):
+        """Steps take `factors` of the processor time that was expected, and wait so many times as long for it. Estimates are compared
+        from the first tenth of all on, in steps that `trusted` names."""
+        steps = []  # wall, processor
+        for (kind, expected), factor, wait in zip(self.EXPECTED, factors, waits):
+            threads = self.CORES if kind == "all" else 1
+            steps.append((expected, expected) if kind == "clock" else (wait * factor * expected / threads, factor * expected))
+        total, before, compared = sum(wall for wall, _ in steps), 0, 0
+        for now, (wall, processor) in enumerate(steps):
+            for part in (0, 0.25, 0.5, 0.75):
+                if now not in trusted or before + part * wall < 0.1 * total:
+                    continue
+                rows = [("done", *self.EXPECTED[i], round(w), round(p)) for i, (w, p) in enumerate(steps[:now])]
+                rows.append(("now", *self.EXPECTED[now], round(part * wall), round(part * processor)))
+                rows += [("coming", *step) for step in self.EXPECTED[now + 1 :]]
+                truth = total - before - part * wall
+                self.assertLess(abs(self.left(rows) / truth - 1), 0.3, (now, part, truth))
+                compared += 1
+            before += wall
+        self.assertGreater(compared, 8)
+
+    def test_a_step_that_waited_says_nothing_of_others(self):
+        everywhere = range(len(self.EXPECTED))
+        uneven = [1.3 * f for f in (1, 0.9, 1.2, 1, 1.1, 0.85, 1.1, 1, 0.95, 1.05)]  # on a slower machine
+        self.check(uneven, [1] * 10, everywhere)
+        for starved in (0, 1, 4):
+            self.check(uneven, [28 if i == starved else 1 for i in everywhere], range(starved + 1, 10))
+        self.check([0.5 * f for f in uneven], [1] * 10, range(1, 10))
+        self.check(uneven, [2] * 10, range(4, 10))  # a machine that others use, too
+
+    def test_what_is_left_is_never_nothing(self):
+        late = [self.left([("now", kind, 100, used, used)]) for kind in ("all", "one", "clock") for used in (100, 900, 9000)]
+        self.assertTrue(all(left > 0 for left in late), late)
+        self.assertGreater(late[2], late[1])
+        self.assertEqual(self.left([("now", "clock", 2, 2, 2)]), 1)
+
+
 class CaptureScript(ProgramTest):
     done = []  # what the whole run said
 

@@ -245,8 +245,22 @@ class Tune(CommandLine):
         command = result.stdout.splitlines()[-1].split()
         self.assertEqual(command[:3], ["radiafit", "fit", "star"])
         self.good(*command[1:])
-        tried = strict_json(self.good("tune", "star", *quick, "--json").stdout)["tried"]
+        told = strict_json(self.good("tune", "star", *quick, "--json").stdout)
+        tried = told["tried"]
         self.assertEqual([t["psnr"] for t in tried], sorted((t["psnr"] for t in tried), reverse=True))
+        # Costs: a light field map of one term has an even number of numbers a channel, and four bytes each.
+        recommended = [t for t in tried if t["options"] == told["recommended"]]
+        self.assertEqual(len(recommended), 1)
+        self.assertLessEqual(recommended[0]["numbers"], tried[0]["numbers"])
+        for t in tried:
+            self.assertEqual((t["bytes"], t["numbers"] % 3), (4 * t["numbers"], 0))
+            self.assertGreater(min(t["seconds"], t["judge_seconds"], t["page_seconds"]), 0)
+        for t in told["left_out"]:
+            self.assertNotIn(t["options"], [other["options"] for other in tried])
+        # What is left out for want of time, and what for options that are given, is said; the command is what is recommended.
+        text = self.good("tune", "star", *quick).stdout
+        self.assertRegex(text, r"left out for want of time: --model lfm .*--seconds \d+ would try|more seconds would try nothing else")
+        self.assertRegex(text, r"models that do not take all options given: .*viewbasis")
         # What it tells is what a fit without the same views is worth on them.
         every = re.search(r"one in (\d+) training views", result.stdout)[1]
         self.good("fit", "star", *tried[0]["options"].split(), "--validation", every, "-o", "validated")
@@ -297,21 +311,32 @@ class Import(CommandLine):
     def test_says_whether_gains_are_needed(self):
         write_capture(self.root / "star", self.root / "exposed")
         colmap = ["import", "colmap", "--model", "exposed/sparse", "--images", "exposed/images", "--mesh", "exposed/mesh.ply", "--replace", "-o", "gained"]
-        self.assertNotIn("gains are", self.good(*colmap).stderr)
+        self.assertNotIn("gains are", self.good(*colmap, "--gains", "none").stderr)
         # One exposure for all: what is estimated is the gloss.
+        said = self.good(*colmap).stderr
+        self.assertRegex(said, r"gains are not needed, and none are applied: they would (raise|lower) the error of photographs left out by \S+ %")
+        self.assertEqual({view.get("gain", 1) for view in self.views("gained")}, {1})
         said = self.good(*colmap, "--gains", "estimate").stderr
-        self.assertRegex(said, r"gains are not needed: they raise the error of photographs left out by \S+ %; --gains none does better")
+        self.assertRegex(said, r"gains are not needed: they \S+ the error of photographs left out by \S+ %; --gains none does (better|as well)")
         # Exposures as of an automatic camera, with a white balance of its own: bytes of sRGB are light to the power 1 / 2.2.
         for i, path in enumerate(sorted((self.root / "exposed/images").iterdir())):
             exposure, balance = (0.5, 1, 0.7)[i % 3], (1, 0.5)[i % 2]
             factors = [(exposure * c) ** (1 / 2.2) for c in (1, balance, balance**2)]
             width, height, rgb = read_png(path)
             write_png(path, width, height, bytes(round(v * factors[k % 3]) for k, v in enumerate(rgb)))
-        said = self.good(*colmap, "--gains", "estimate").stderr
-        self.assertGreater(float(re.search(r"gains are needed: they lower the error of photographs left out by (\S+) %", said)[1]), 10)
+        said = self.good(*colmap).stderr
+        found = re.search(r"gains are needed, and applied: they lower the error of photographs left out by (\S+) %; --gains per-channel would lower it by (\S+) %$", said, re.M)
+        self.assertGreater(float(found[1]), 10)
+        self.assertGreater(float(found[2]), float(found[1]) + 2)
+        applied = [view["gain"] for view in self.views("gained")]
+        self.good(*colmap, "--gains", "estimate")
+        self.assertEqual(applied, [view["gain"] for view in self.views("gained")])
         said = self.good(*colmap, "--gains", "per-channel").stderr
         found = re.search(r"gains are needed: they lower .* by (\S+) %; one gain for all channels would lower .* by (\S+) %$", said, re.M)
         self.assertGreater(float(found[1]), float(found[2]) + 2)
+
+    def views(self, dataset):
+        return json.loads((self.root / dataset / "dataset.json").read_text())["views"]
 
 
 class Engines(CommandLine):

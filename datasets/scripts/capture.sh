@@ -65,7 +65,7 @@ esac
 photos=$(cd "$photos" && pwd)
 [ -z "$masks" ] || masks=$(cd "$masks" && pwd)
 [ -z "$mesh" ] || mesh=$(cd "$(dirname "$mesh")" && pwd)/$(basename "$mesh")
-name=${photos##*/}
+title=${photos##*/}
 light_files() { find "$1/" -maxdepth 1 -type f,l -iname '*.lp' ! -name '.*' | sort; }
 where=$photos lights=""
 [ -n "$spheres" ] || lights=$(light_files "$photos")
@@ -101,21 +101,21 @@ flock -n 9 || die "$out: another run writes here: wait for it, or write elsewher
 [ "$threads" != 0 ] && of_colmap=$threads || of_colmap=-1
 of_radiafit="--threads $threads"
 
-# What each step takes on two cores, in seconds, with photographs of 800 pixels a side; scaled by what the steps took that
-# were done. COLMAP compares every two photographs.
+# What each step is expected to take (time_left.awk's KIND and EXPECTED), as 40 photographs of 800 pixels a side took. COLMAP compares
+# every two photographs.
 cost() {
     case $1 in
-    features) echo $((1 + count * 3 / 2)) ;;
-    matches) echo $((1 + count * (count - 1) / 4)) ;;
-    cameras) echo $((10 + count * 2)) ;;
-    flat) echo $((1 + count / 4)) ;;
-    depths) echo $((10 + count * 8)) ;;
-    mesh) echo $((60 + count)) ;;
-    masks) echo 2 ;;
-    dataset) echo $((10 + count)) ;;
-    tune) echo $((seconds)) ;;
-    fit) echo $((20 + seconds / 5)) ;;
-    page) echo 30 ;;
+    features) echo all $((1 + count * 5 / 3)) ;;
+    matches) echo all $((1 + count * (count - 1) * 5 / 8)) ;;
+    cameras) echo one $((5 + count * 3 / 8)) ;;
+    flat) echo all $((1 + count / 4)) ;;
+    depths) echo all $((10 + count * 14)) ;;
+    mesh) echo all $((20 + count / 4)) ;;
+    masks) echo all 2 ;;
+    dataset) echo all $((8 + count)) ;;
+    tune) echo clock "$seconds" ;;
+    fit) echo all $((20 + seconds * 2 / 3)) ;;
+    page) echo all 60 ;;
     esac
 }
 # Of a file or a folder's files: another one where any was changed.
@@ -125,7 +125,9 @@ clock() { printf '%d:%02d' $(($1 / 60)) $(($1 % 60)); }
 steps="features matches cameras flat depths mesh masks dataset tune fit page"
 [ -z "$mesh" ] || steps="features matches cameras flat mesh masks dataset tune fit page"
 [ -z "$lights$spheres" ] || steps="dataset tune fit page"
-total=$(echo $steps | wc -w) number=0 redo="" began=$(date +%s) done_cost=0
+total=$(echo $steps | wc -w) number=0 redo=""
+[ "$threads" != 0 ] && cores=$threads || cores=$(nproc)
+ticks_per_second=$(getconf CLK_TCK)
 child=
 stop() {
     if [ -n "$child" ]; then
@@ -137,14 +139,29 @@ stop() {
 }
 trap stop INT TERM HUP
 
-estimate() {  # all: seconds that this step and those behind it will take; expected: this one
-    all=0 here="" expected=$(cost "$1")
+# time_left STEP WALL PROCESSOR: seconds that this step, which took so many so far, and those behind it will take.
+time_left() {
+    state=done
     for s in $steps; do
-        [ "$s" != "$1" ] || here=yes
-        [ -z "$here" ] || all=$((all + $(cost "$s")))
-    done
-    spent=$(($(date +%s) - began))
-    [ $done_cost -lt 10 ] || all=$((all * spent / done_cost)) expected=$((expected * spent / done_cost))
+        took_so_far=""
+        if [ "$s" = "$1" ]; then
+            state=now took_so_far="$2 $3"
+        elif [ $state = now ]; then
+            state=coming
+        fi
+        [ $state != done ] || took_so_far=$(cut -d' ' -f2- "$out/$s/seconds")
+        echo "$state $(cost "$s") $took_so_far"
+    done | awk -f "$root/datasets/scripts/time_left.awk" -v cores="$cores"
+}
+last_processor=0
+measure_processor() {  # used: seconds of this step, also of a program that runs; not in a subshell, which has no children
+    times >"$part/times"
+    ended=$(awk -F'[ms ]+' 'NR == 2 { printf "%d", 60 * $1 + $2 + 60 * $3 + $4 }' "$part/times")
+    rm -f "$part/times"
+    running=""
+    [ -z "$child" ] || running=$(sed 's/.*) //' "/proc/$child/stat" 2>/dev/null |
+        awk -v ticks="$ticks_per_second" '{ printf "%d", ($12 + $13 + $14 + $15) / ticks }') || true
+    used=$((ended - last_processor + ${running:-0}))
 }
 
 # run COMMAND...: it writes to the step's log; every ten seconds the time left and its last line are shown.
@@ -160,8 +177,8 @@ run_into() {
         ticks=$(((ticks + 1) % 50))
         [ $ticks = 0 ] || continue
         line=$(tail -n 1 "$part/log" | tr '\r\t' '  ' | sed 's/^ *//' | cut -c1-100)
-        here=$(($(date +%s) - step_began)) && [ "$here" -lt "$expected" ] || here=$expected
-        printf '      %s left: %s\n' "$(clock $((all - here)))" "$line" >&2
+        measure_processor
+        printf '      %s left: %s\n' "$(clock "$(time_left "$name" $(($(date +%s) - step_began)) "$used")")" "$line" >&2
     done
     status=0
     wait "$child" || status=$?
@@ -187,18 +204,17 @@ step() {
         mkdir -p "$part"
         printf '%s' "$3" >"$part/step"
         touch "$part/log"
-        estimate "$name"
-        echo "[$number/$total] $2; about $(clock "$all") left in all" >&2
+        echo "[$number/$total] $2; about $(clock "$(time_left "$name" 0 0)") left in all" >&2
         step_began=$(date +%s)
         if ! $4; then
             tail -n 3 "$part/log" >&2
             die "$2 failed (all it said: $part/log): $5"
         fi
         took=$(($(date +%s) - step_began))
-        done_cost=$((done_cost + $(cost "$name")))
         # Wall-clock and processor time of this step, in seconds.
         measure_processor
-        printf '%s %s %s\n' "$name" "$took" "$processor" >"$part/seconds"
+        printf '%s %s %s\n' "$name" "$took" "$used" >"$part/seconds"
+        last_processor=$((last_processor + used))
         mv "$part" "$out/$name"
         echo "      done in $(clock $took)" >&2
         [ ! -s "$out/$name/said" ] || sed 's/^/      /' "$out/$name/said" >&2
@@ -213,13 +229,6 @@ nothing_done_from() {
         [ -z "$here" ] || [ ! -d "$out/$s" ] ||
             die "$out/$s: is there already, made with other options or of other photographs; --replace puts this one in its place, or write elsewhere"
     done
-}
-last_processor=0
-measure_processor() {  # of all children, since the last call; not in a subshell, which has none
-    times >"$part/times"
-    now=$(awk -F'[ms ]+' 'NR == 2 { printf "%d", 60 * $1 + $2 + 60 * $3 + $4 }' "$part/times")
-    rm -f "$part/times"
-    processor=$((now - last_processor)) last_processor=$now
 }
 
 features() {
@@ -322,12 +331,12 @@ make_masks() {
 }
 dataset() {
     run "$radiafit" $of_radiafit import colmap --model "$out/flat/large/sparse" --images "$out/flat/large/images" \
-        --masks "$out/masks/masks" --mesh "$(made_mesh)" --gains estimate --name "$name" -o "$part/dataset"
+        --masks "$out/masks/masks" --mesh "$(made_mesh)" --name "$title" -o "$part/dataset"
 }
 lit_dataset() {
     if [ -n "$spheres" ]; then set -- --spheres "$spheres"; else set -- --lights "$lights"; fi
     run "$radiafit" $of_radiafit import lights --images "$photos" "$@" --max-size "$size" \
-        --name "$name" -o "$part/dataset" || return 1
+        --name "$title" -o "$part/dataset" || return 1
     [ -z "$spheres" ] || grep -E '^(warning: |[0-9]+ spheres?, |[a-z]+ of [0-9]+ lamps )' "$part/log" >"$part/said" || true
 }
 tune() {

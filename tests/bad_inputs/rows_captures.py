@@ -236,6 +236,7 @@ for damage, *words in (
 rows += [
     (colmap(more=f"--gains {gains}"), None, 0, "gains"),
     (colmap(more="--gains estimate"), None, 0, "gains"),
+    (colmap(more="--gains auto"), None, 0, "applied"),
     (colmap(more="--holdout photos/held.txt"), write("photos/held.txt", "9.png\n"), 2, "photos/held.txt:1: no image is named '9.png': write one name per line"),
     (colmap(more="--holdout photos/held.txt"), write("photos/held.txt", "0.png\n1.png\n2.png\n"), 2, "--holdout photos/held.txt: holds out all 3 images"),
     (colmap(more="--holdout photos/held.txt"), write("photos/held.txt", "1.png\n"), 0, "1 of them held out"),

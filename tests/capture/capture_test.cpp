@@ -326,14 +326,15 @@ TEST_F(CoverageTest, SaysHowMuchOfTheMasksTheMeshCovers) {
     write_sphere(1, Vec3d::Zero());
     import();
     EXPECT_GT(report_.coverage, 0.95);
-    ASSERT_EQ(report_.remarks.size(), 3u);
+    ASSERT_EQ(report_.remarks.size(), 4u);
     expect_in("masks are named NAME.png", report_.remarks[0]);
     expect_in("8-bit PNG: taken as sRGB", report_.remarks[1]);
     expect_in("% of the masks, 100 % of what shows of it is inside", report_.remarks[2]);
+    expect_in("applied", report_.remarks[3]);  // whether gains are
     options_.masks.clear();
     fs::remove_all(root_ / "set");
     import();
-    expect_in("% of the images", report_.remarks.back());
+    expect_in("% of the images", report_.remarks.at(report_.remarks.size() - 2));
     // the sphere's outline of radius 15.5 in an image of 64 x 48, less what facets cut off
     EXPECT_NEAR(report_.coverage, M_PI * 15.5 * 15.5 / (64 * 48), 0.015);
 }

@@ -32,8 +32,8 @@ TEST_P(CodedMaps, ComeBackToHalfAStepAndZerosToZero) {
     for (const float most : {0.1f, 3.0f, 800.0f})
         for (const float step : {0.01f, 0.002f}) {
             const PageMap map = random_map(most, GetParam());
-            const CodedMap coded = code_map(map, {step, 2 * step, 4 * step});
-            const PageMap decoded = decoded_map(coded, map);
+            const CodedMap coded = code_map(stepped_map(map, {step, 2 * step, 4 * step}));
+            const PageMap decoded = decoded_map(stepped_map(coded), map);
             for (size_t i = 0; i < map.image.values.size(); ++i) {
                 const float before = map.image.values[i], after = decoded.image.values[i];
                 if (before == 0) {
@@ -50,8 +50,9 @@ TEST_P(CodedMaps, ComeBackToHalfAStepAndZerosToZero) {
 }
 
 TEST_P(CodedMaps, OfFewStepsHaveOneImage) {
-    EXPECT_TRUE(code_map(random_map(1, GetParam()), {0.01f, 0.01f, 0.01f}).high.empty());
-    EXPECT_FALSE(code_map(random_map(1, GetParam()), {0.001f, 0.001f, 0.001f}).high.empty());
+    const auto coded = [](float step) { return code_map(stepped_map(random_map(1, GetParam()), {step, step, step})); };
+    EXPECT_TRUE(coded(0.01f).high.empty());
+    EXPECT_FALSE(coded(0.001f).high.empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(AsTheyAreAndAsRoots, CodedMaps, ::testing::Bool());

@@ -54,18 +54,18 @@ void write_line(std::string_view prefix, std::string_view message, bool one_line
     bar_on_screen = false;
 }
 
-std::string duration(double time_s) {
-    const long seconds = std::lround(time_s);
-    if (seconds >= 3600) return fmt::format("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
-    return fmt::format("{}:{:02}", seconds / 60, seconds % 60);
-}
-
 /// "fit: texels"
 std::string of_command(std::string task) {
     return running_command.empty() || task == running_command ? std::move(task) : running_command + ": " + task;
 }
 
 }  // namespace
+
+std::string duration(double time_s) {
+    const long seconds = std::max(std::lround(time_s), time_s > 0 ? 1L : 0L);
+    if (seconds >= 3600) return fmt::format("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
+    return fmt::format("{}:{:02}", seconds / 60, seconds % 60);
+}
 
 void set_running_command(std::string words) { running_command = std::move(words); }
 
@@ -82,10 +82,12 @@ void log_error(std::string_view program, std::string_view message) {
     write_line(fmt::format("{}: ", program), message, true, red);
 }
 
-std::string progress_bar(std::string_view task, size_t done, size_t total, double elapsed_s, int columns) {
+std::string progress_bar(std::string_view task, size_t done, size_t total, double elapsed_s, int columns,
+                         bool counted) {
     done = std::min(done, total);
     const double share = total == 0 ? 1.0 : static_cast<double>(done) / static_cast<double>(total);
-    std::string figures = fmt::format(" {:3.0f}%  {}/{}", std::floor(100 * share), done, total);
+    std::string figures = fmt::format(" {:3.0f}%", std::floor(100 * share));
+    if (counted) figures += fmt::format("  {}/{}", done, total);
     if (done > 0 && done < total) figures += fmt::format("  {} left", duration(elapsed_s * (1 - share) / share));
     const int width = std::min(40, columns - static_cast<int>(task.size() + figures.size()) - 5);
     if (width < 5) return fmt::format("{} {}", task, figures).substr(0, static_cast<size_t>(std::max(columns - 1, 0)));
@@ -94,8 +96,8 @@ std::string progress_bar(std::string_view task, size_t done, size_t total, doubl
                        std::string(static_cast<size_t>(width) - filled, '.'), figures);
 }
 
-Progress::Progress(std::string task, size_t total)
-    : task_(of_command(std::move(task))), total_(total), start_s_(wall_time_s()), shown_s_(start_s_) {}
+Progress::Progress(std::string task, size_t total, Shown shown)
+    : task_(of_command(std::move(task))), total_(total), shown_(shown), start_s_(wall_time_s()), shown_s_(start_s_) {}
 
 Progress::~Progress() { finish(); }
 
@@ -115,11 +117,16 @@ void Progress::show(size_t done) {
     shown_s_ = now_s;
     if (on_terminal()) {
         std::scoped_lock lock(output_mutex);
-        write_to_stderr(
-            fmt::format("\r{}\x1b[K", progress_bar(task_, done, total_, now_s - start_s_, terminal_columns())));
+        write_to_stderr(fmt::format("\r{}\x1b[K", progress_bar(task_, done, total_, now_s - start_s_,
+                                                               terminal_columns(), shown_ == Shown::steps)));
         drawn_ = bar_on_screen = true;
     } else {
-        write_line("", fmt::format("{}: {} of {} after {}", task_, done, total_, duration(now_s - start_s_)), true);
+        const double passed_s = now_s - start_s_, share = double(done) / double(std::max<size_t>(total_, 1));
+        std::string line = shown_ == Shown::steps ? fmt::format("{}: {} of {}", task_, done, total_)
+                                                  : fmt::format("{}: {:.0f} %", task_, std::floor(100 * share));
+        line += fmt::format(" after {}", duration(passed_s));
+        if (done > 0 && done < total_) line += fmt::format(", {} left", duration(passed_s * (1 - share) / share));
+        write_line("", line, true);
     }
 }
 

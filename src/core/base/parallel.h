@@ -10,6 +10,8 @@ void set_thread_count(int threads);
 int thread_count();
 /// Cores this process may run on (a container or taskset may grant fewer than the machine has).
 int core_count();
+/// Threads of a loop that begins here: 1 within a body.
+int threads_here();
 
 /// Calls body(i, worker) for every i in [0, count), in chunks of `grain` handed out dynamically.
 /// worker in [0, thread_count()) selects per-thread scratch space. Of exceptions that of the lowest chunk

@@ -216,6 +216,7 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
                                    nearest ? &*nearest : nullptr, image_parts[i]);
         if (options.ssim) result.images[i].ssim = ssim(judged);
         result.images[i].error_bars = bench->error_bars(contestant, dataset.views[views[i]], judged);
+        if (options.judged) options.judged();
     });
     for (const auto& of_image : image_parts)
         for (size_t k = 0; k < of_image.size(); ++k) result.parts[k].stored.add(of_image[k].stored);
@@ -242,12 +243,13 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
     return result;
 }
 
-JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view, int pixel_points) {
+JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view, int pixel_points,
+                       int worker) {
     if (view >= dataset.views.size())
         throw UserError(fmt::format("{}: there is no view {}; choose 0 to {}", dataset.folder.string(), view,
                                     dataset.views.size() - 1));
     const Dataset as_stored = without_gains(dataset);
-    return Bench(dataset, ImageStream(as_stored, StreamSource::disk), pixel_points).compare(contestant, view, 0);
+    return Bench(dataset, ImageStream(as_stored, StreamSource::disk), pixel_points).compare(contestant, view, worker);
 }
 
 }  // namespace radiafit

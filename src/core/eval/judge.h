@@ -67,6 +67,7 @@ struct JudgeOptions {
     bool ssim = false;                   ///< structural similarity as well (eval/ssim.h)
     /// Errors by the angle to the nearest training image as well (eval/nearest_training.h); not of training views.
     bool by_angle = false;
+    std::function<void()> judged = {};  ///< after each image, of any thread
 };
 
 struct JudgeResult {
@@ -100,9 +101,9 @@ struct JudgeResult {
 /// view, or no view of it has a foreground pixel.
 JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split, const JudgeOptions& options = {});
 
-/// One view, as judge() compares it.
+/// One view, as judge() compares it. worker: as Contestant's.
 JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view,
-                       int pixel_points = as_photographed);
+                       int pixel_points = as_photographed, int worker = 0);
 
 /// Another method's figures on the same views.
 struct JudgedBeside {

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "dataset/truth.h"
 
 namespace radiafit {
@@ -28,32 +30,39 @@ PixelAreas::PixelAreas(const Dataset& dataset, int points) : dataset_(&dataset),
 
 void PixelAreas::shade(const Contestant& contestant, const View& view, int worker) {
     centres_ = seen_pixels(*dataset_, view, rasterizer_);
-    if (points_ > 1) return shade_points(contestant, view, worker);
+    if (points_ > 1) return shade_points(contestant, view);
     contestant.shade(view, centres_, rgb_, worker);
     if (rgb_.size() != 3 * centres_.size()) throw std::invalid_argument("a contestant left pixels out");
     seen_.resize(centres_.size());
     for (size_t i = 0; i < seen_.size(); ++i) seen_[i] = centres_[i].triangle != no_triangle;
 }
 
-void PixelAreas::shade_points(const Contestant& contestant, const View& view, int worker) {
+void PixelAreas::shade_points(const Contestant& contestant, const View& view) {
     const bool curved = contestant.space == TargetSpace::stored && dataset_->encoding == Encoding::u8_srgb;
     const size_t pixels = centres_.size();
     rgb_.assign(3 * pixels, 0.0f);
     seen_.assign(pixels, 0);
-    for (int row = 0; row < points_; ++row)
-        for (int column = 0; column < points_; ++column) {
+    const auto each_side = size_t(points_), all = each_side * each_side;
+    shots_.resize(std::min(all, size_t(threads_here())));
+    for (size_t first = 0; first < all; first += shots_.size()) {
+        const size_t count = std::min(shots_.size(), all - first);
+        parallel_for(count, 1, [&](size_t i, int worker) {
             View moved = view;
-            moved.camera.cx -= (column + 0.5) / points_ - 0.5;
-            moved.camera.cy -= (row + 0.5) / points_ - 0.5;
-            const std::vector<RasterPixel> points = seen_pixels(*dataset_, moved, rasterizer_);
-            contestant.shade(moved, points, at_point_, worker);
-            if (at_point_.size() != 3 * pixels) throw std::invalid_argument("a contestant left pixels out");
+            moved.camera.cx -= (double((first + i) % each_side) + 0.5) / points_ - 0.5;
+            moved.camera.cy -= (double((first + i) / each_side) + 0.5) / points_ - 0.5;
+            shots_[i].seen = seen_pixels(*dataset_, moved, shots_[i].rasterizer);
+            contestant.shade(moved, shots_[i].seen, shots_[i].rgb, worker);
+        });
+        for (size_t s = 0; s < count; ++s) {  // sums in the order of the points
+            const auto& [rasterizer, points, at_point] = shots_[s];
+            if (at_point.size() != 3 * pixels) throw std::invalid_argument("a contestant left pixels out");
             for (size_t i = 0; i < pixels; ++i) {
                 if (points[i].triangle == no_triangle) continue;
                 ++seen_[i];
-                for (size_t c = 3 * i; c < 3 * i + 3; ++c) rgb_[c] += curved ? srgb_decode(at_point_[c]) : at_point_[c];
+                for (size_t c = 3 * i; c < 3 * i + 3; ++c) rgb_[c] += curved ? srgb_decode(at_point[c]) : at_point[c];
             }
         }
+    }
     for (size_t i = 0; i < pixels; ++i)
         for (size_t c = 3 * i; c < 3 * i + 3 && seen_[i] > 0; ++c) {
             rgb_[c] /= float(seen_[i]);

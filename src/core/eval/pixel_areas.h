@@ -21,7 +21,8 @@ public:
     /// outlive it.
     explicit PixelAreas(const Dataset& dataset, int points = as_photographed);
 
-    /// `view` may be any, not only the dataset's. worker: as Contestant's.
+    /// `view` may be any, not only the dataset's. worker: as Contestant's. Outside of a parallel loop several points
+    /// are shaded at once.
     void shade(const Contestant& contestant, const View& view, int worker);
 
     /// [height][width] what pixels' centres see, in the view shaded last.
@@ -33,13 +34,20 @@ public:
     float coverage(size_t pixel) const;     ///< share of its points that see the surface
 
 private:
-    void shade_points(const Contestant& contestant, const View& view, int worker);
+    void shade_points(const Contestant& contestant, const View& view);
 
     const Dataset* dataset_;
     int points_;
+    /// One of the points of every pixel.
+    struct Shot {
+        Rasterizer rasterizer;
+        std::vector<RasterPixel> seen;
+        std::vector<float> rgb;
+    };
+    std::vector<Shot> shots_;  ///< that are made at once
     Rasterizer rasterizer_;
     std::vector<RasterPixel> centres_;
-    std::vector<float> rgb_, at_point_;
+    std::vector<float> rgb_;
     std::vector<uint8_t> seen_;  ///< points of a pixel
 };
 

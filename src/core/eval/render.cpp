@@ -61,9 +61,10 @@ private:
 
 }  // namespace
 
-LightImage render(const Contestant& contestant, const Dataset& dataset, const View& view, int pixel_points) {
+LightImage render(const Contestant& contestant, const Dataset& dataset, const View& view, int pixel_points,
+                  int worker) {
     PixelAreas areas(dataset, pixel_points);
-    areas.shade(contestant, view, 0);
+    areas.shade(contestant, view, worker);
     LightImage image;
     image.width = view.camera.width;
     image.height = view.camera.height;

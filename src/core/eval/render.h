@@ -19,9 +19,9 @@ struct LightImage {
 };
 
 /// What `view` (any, not only the dataset's) sees, in the exposure that the dataset's gains bring all photographs to.
-/// pixel_points: PixelAreas'.
+/// pixel_points: PixelAreas'; worker: as Contestant's.
 LightImage render(const Contestant& contestant, const Dataset& dataset, const View& view,
-                  int pixel_points = as_photographed);
+                  int pixel_points = as_photographed, int worker = 0);
 
 /// As a photograph of that gain shows it.
 LightImage in_exposure(LightImage image, const Gain& gain);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "base/error.h"
+#include "base/parallel.h"
 
 namespace radiafit {
 namespace {
@@ -60,13 +61,14 @@ void resize_problems(FitRecord& fit, size_t problems) {
     fit.error.resize(problems);
 }
 
-// Calls body(pixel, texel) for every texel of an atlas.
+// Calls body(pixel, texel) for every texel of an atlas, on all cores.
 template <class Body>
 void for_each_texel(const Atlas& atlas, const Body& body) {
-    for (uint32_t texel = 0; texel < atlas.texel_count(); ++texel) {
-        const auto [x, y] = atlas.place(texel);
-        body(size_t(y) * size_t(atlas.width()) + size_t(x), size_t(texel));
-    }
+    constexpr size_t grain = 1 << 14;
+    parallel_for(atlas.texel_count(), grain, [&](size_t texel, int) {
+        const auto [x, y] = atlas.place(uint32_t(texel));
+        body(size_t(y) * size_t(atlas.width()) + size_t(x), texel);
+    });
 }
 
 }  // namespace

@@ -52,9 +52,6 @@ struct Family {
     void (*resolve_options)(const Given& given, const Dataset& dataset, FitRequest& request);
     /// What `tune` tries of it; none: none of its models suits the dataset.
     std::vector<TuneCandidate> (*candidates)(const Dataset& dataset);
-    /// A fit in seconds that predicts photographs well that it has not seen, by which imports check them; empty: the
-    /// family has no such fit.
-    FitSetting (*quick)() = [] { return FitSetting(); };
     Plan (*plan)(const Dataset& dataset, const FitRequest& request, size_t most_views);
     FinishedFit (*fit)(const Dataset& dataset, const FitRequest& request);
     /// For a fit in parts (fitting/parts/parts.h).

@@ -33,6 +33,12 @@ const FitRecord& Fitted::record() const {
     return std::visit([](const auto& m) -> const FitRecord& { return m.fit; }, model);
 }
 
+size_t number_count(const Fitted& f) {
+    const auto* of_vertices = std::get_if<FittedLightField>(&f.model);
+    if (of_vertices) return of_vertices->fit.parameters.size() / 4 * 3;  // the fourth of each pads
+    return std::visit([](const auto& m) { return m.fit.parameters.size(); }, f.model);
+}
+
 std::string description_of(const Fitted& f) {
     return std::visit([](const auto& m) { return description_of(m); }, f.model);
 }

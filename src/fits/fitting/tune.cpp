@@ -10,6 +10,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/rng.h"
 #include "eval/judge.h"
 #include "fitting/family.h"
 #include "fitting/resolve_options.h"
@@ -46,7 +47,7 @@ public:
     Search(const Dataset& dataset, const TuneOptions& options, const std::function<void(const TriedSetting&)>& tried)
         : dataset_(dataset), judged_(for_validation(dataset, options.validation)), options_(options), tried_(tried) {}
 
-    std::vector<TriedSetting> run(std::optional<Interrupted>* stopped) {
+    Tuned run(std::optional<Interrupted>* stopped) {
         try {
             search();
         } catch (const Interrupted& interrupted) {
@@ -54,7 +55,9 @@ public:
             *stopped = interrupted;
         }
         std::ranges::stable_sort(all_, [](const auto& a, const auto& b) { return a.psnr > b.psnr; });
-        return all_;
+        std::erase_if(left_out_, [&](const UntriedSetting& s) { return was_tried(command_line_of(s.setting)); });
+        const size_t recommended = smallest_as_good(all_);
+        return {std::move(all_), recommended, std::move(left_out_), std::move(models_left_out_)};
     }
 
 private:
@@ -83,7 +86,7 @@ private:
     }
 
     /// The candidates that take all fixed options, with these in place of what they would try of them.
-    std::vector<TuneCandidate> with_fixed(const std::vector<TuneCandidate>& candidates) const {
+    std::vector<TuneCandidate> with_fixed(const std::vector<TuneCandidate>& candidates) {
         std::vector<TuneCandidate> out;
         for (TuneCandidate candidate : candidates) {
             const std::string model = candidate.starts.front().front().second;
@@ -92,7 +95,10 @@ private:
             std::erase_if(candidate.starts, [&](const FitSetting& start) {
                 return start.front().second != model || !is_possible(start);
             });
-            if (candidate.starts.empty()) continue;
+            if (candidate.starts.empty()) {
+                models_left_out_.push_back(model);
+                continue;
+            }
             std::erase_if(candidate.ladders, [&](const Ladder& ladder) { return is_fixed(ladder.option); });
             out.push_back(std::move(candidate));
         }
@@ -110,12 +116,18 @@ private:
         return request;
     }
 
+    bool was_tried(const std::string& name) const { return std::ranges::find(names_, name) != names_.end(); }
+
     /// Fits and judges a setting, unless it was tried before or no time is left for it.
     void attempt(const FitSetting& setting) {
         const std::string name = command_line_of(setting);
-        if (std::ranges::find(names_, name) != names_.end()) return;
+        if (was_tried(name)) return;
         double& expected = seconds_[setting.front().second];
-        if (!all_.empty() && clock_.wall_s() + expected > options_.seconds) return;
+        if (!all_.empty() && clock_.wall_s() + expected > options_.seconds) {
+            const auto same = [&](const UntriedSetting& s) { return command_line_of(s.setting) == name; };
+            if (std::ranges::none_of(left_out_, same)) left_out_.push_back({setting, expected});
+            return;
+        }
         names_.push_back(name);
         const Stopwatch clock;
         const FitRequest request = request_of(setting);
@@ -124,7 +136,14 @@ private:
         const JudgeResult judged = judge(contestant_of(done.fit), judged_, Split::validation);
         expected = clock.wall_s();
         if (!std::isfinite(judged.psnr())) return;
-        all_.push_back({setting, judged.psnr(), judged.ape(), fitting});
+        all_.push_back({.setting = setting,
+                        .psnr = judged.psnr(),
+                        .ape = judged.ape(),
+                        .seconds = fitting,
+                        .judge_seconds = expected - fitting,
+                        .numbers = number_count(done.fit),
+                        .errors = {}});
+        for (const ImageFigures& image : judged.images) all_.back().errors.push_back(image.stored);
         if (tried_) tried_(all_.back());
     }
 
@@ -154,7 +173,9 @@ private:
     const std::function<void(const TriedSetting&)>& tried_;
     Stopwatch clock_;
     std::vector<TriedSetting> all_;
-    std::vector<std::string> names_;         ///< of all that was tried
+    std::vector<std::string> names_;  ///< of all that was tried
+    std::vector<UntriedSetting> left_out_;
+    std::vector<std::string> models_left_out_;
     std::map<std::string, double> seconds_;  ///< that a model's last attempt took
 };
 
@@ -164,9 +185,31 @@ int left_out_every(const Dataset& dataset, const TuneOptions& options) {
     return std::max(2, std::min(options.validation, int(dataset.split(false).size() / 2)));
 }
 
-std::vector<TriedSetting> tune(const Dataset& dataset, const TuneOptions& options,
-                               const std::function<void(const TriedSetting&)>& tried,
-                               std::optional<Interrupted>* stopped) {
+size_t smallest_as_good(const std::vector<TriedSetting>& best_first) {
+    constexpr int draws = 2000;
+    constexpr double certain = 0.975;
+    const auto beats = [&](const TriedSetting& a, const TriedSetting& b) {
+        Rng rng(1);  // the same draws for all
+        const auto views = uint32_t(a.errors.size());
+        int lower = 0;
+        for (int d = 0; d < draws; ++d) {
+            double difference = 0;
+            for (uint32_t i = 0; i < views; ++i) {
+                const uint32_t v = rng.index(views);
+                difference += a.errors[v].squared - b.errors[v].squared;  // of the same pixels
+            }
+            lower += difference < 0;
+        }
+        return lower >= certain * draws;
+    };
+    size_t out = 0;
+    for (size_t i = 1; i < best_first.size(); ++i)
+        if (best_first[i].numbers < best_first[out].numbers && !beats(best_first[0], best_first[i])) out = i;
+    return out;
+}
+
+Tuned tune(const Dataset& dataset, const TuneOptions& options, const std::function<void(const TriedSetting&)>& tried,
+           std::optional<Interrupted>* stopped) {
     require("seconds", options.seconds, limits::tune_seconds);
     require("validation", options.validation, limits::tune_validation);
     return Search(dataset, {options.seconds, left_out_every(dataset, options), options.fixed}, tried).run(stopped);

@@ -117,8 +117,8 @@ private:
 }  // namespace
 
 std::vector<double> read_gains(const std::filesystem::path& file, const std::vector<std::string>& names) {
-    TextFile text(
-        file, fmt::format("gain table ({} takes none, estimate, per-channel or such a file)", option_name("gains")));
+    TextFile text(file, fmt::format("gain table ({} takes auto, none, estimate, per-channel or such a file)",
+                                    option_name("gains")));
     std::unordered_map<std::string, double> table;
     for (std::string_view line; text.next_entry(line);) {
         const auto tokens = split_tokens(line);

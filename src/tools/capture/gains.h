@@ -39,6 +39,7 @@ public:
     std::vector<GainSample> observe(const Camera& camera, const Rasterizer& raster, const ImageFile& image,
                                     const std::vector<uint8_t>& mask) const;
     size_t size() const { return points_.size(); }
+    const Vec3d& position(size_t point) const { return points_[point].position; }
 
 private:
     std::vector<SurfacePoint> points_;

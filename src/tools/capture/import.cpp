@@ -17,6 +17,7 @@
 #include "base/wording.h"
 #include "capture/colmap.h"
 #include "capture/file_names.h"
+#include "capture/gain_benefit.h"
 #include "capture/gains.h"
 #include "capture/image_scale.h"
 #include "capture/import_check.h"
@@ -60,41 +61,71 @@ void drop_blind_views(std::vector<Photograph>& photographs, const ImportOptions&
                                     option_name("holdout")));
 }
 
-bool estimates_gains(const ImportOptions& options) {
-    return options.gains == "estimate" || options.gains == "per-channel";
+bool reads_gains(const ImportOptions& options) {
+    return options.gains != "auto" && options.gains != "none" && options.gains != "estimate" &&
+           options.gains != "per-channel";
 }
 
-std::vector<Gain> choose_gains(std::vector<Photograph>& photographs, const ImportOptions& options,
-                               ImportReport& report) {
-    if (options.gains == "none") return std::vector<Gain>(photographs.size());
-    std::vector<std::string> names;
-    std::vector<uint8_t> held_out;
-    for (const Photograph& p : photographs) {
-        names.push_back(p.name);
-        held_out.push_back(p.held_out);
-    }
-    if (!estimates_gains(options)) {
-        std::vector<double> table;
-        for (const Photograph& p : photographs) table.push_back(p.given_gain);
-        normalize_gains(table, held_out);
-        return {table.begin(), table.end()};
-    }
-    std::vector<std::vector<GainSample>> samples;
-    for (Photograph& p : photographs) samples.push_back(std::move(p.gain_samples));
-    std::vector<Gain> gains;
-    const auto take = [&](const auto& estimate) {
-        for (const auto& gain : estimate.gains) gains.emplace_back(gain);
-        for (const size_t i : estimate.guessed)
-            report.notes.push_back(
-                fmt::format("image '{}' shares too little with others to estimate its gain: it is "
-                            "left at the mean exposure",
-                            names[i]));
-    };
-    if (options.gains == "estimate")
-        take(estimate_gains(samples, held_out));
+/// What the comparison with no gains says, and, where it decides, what follows.
+std::string describe_benefit(const GainBenefit& benefit, const ImportOptions& options) {
+    const std::optional<double>& other = benefit.lowered_by_other;
+    const bool decides = options.gains == "auto";
+    std::string line;
+    if (benefit.needed())
+        line = fmt::format("gains are needed{}: they {}", decides ? ", and applied" : "",
+                           describe_lowered(benefit.lowered, false));
     else
-        take(estimate_channel_gains(samples, held_out));
-    return gains;
+        line = fmt::format("gains are not needed{}: they {}", decides ? ", and none are applied" : "",
+                           describe_lowered(benefit.lowered, decides));
+    if (!decides && !benefit.needed())
+        line += fmt::format("; {} none does {}", option_name("gains"), benefit.lowered < 0 ? "better" : "as well");
+    if (!other) return line;
+    const double more = decides ? *other - std::max(benefit.lowered, 0.0) : benefit.lowered - *other;
+    if (!decides) line += fmt::format("; one gain for all channels would {}", describe_lowered(*other, false));
+    if (decides && more >= GainBenefit::least)
+        line += fmt::format("; {} per-channel would lower it by {:.1f} %", option_name("gains"), 100 * *other);
+    if (!decides && benefit.needed() && more < GainBenefit::least)
+        line += fmt::format(", so that {} estimate does as well", option_name("gains"));
+    return line;
+}
+
+std::vector<Gain> choose_gains(std::vector<Photograph>& photographs, const std::optional<GainPoints>& points,
+                               const ImportOptions& options, ImportReport& report) {
+    const std::vector<Gain> none(photographs.size());
+    if (!points) return none;
+    GainScene scene{.points = *points, .eyes = {}, .samples = {}, .held_out = {}};
+    std::vector<double> table;
+    for (Photograph& p : photographs) {
+        scene.eyes.push_back(p.camera.center());
+        scene.samples.push_back(std::move(p.gain_samples));
+        scene.held_out.push_back(p.held_out);
+        table.push_back(p.given_gain);
+    }
+    const auto known = [](const auto& estimate) {
+        KnownGains out{{}, estimate.guessed};
+        for (const auto& gain : estimate.gains) out.gains.emplace_back(gain);
+        return out;
+    };
+    const GainRule one = [&](const auto& samples) { return known(estimate_gains(samples, scene.held_out)); };
+    const GainRule channels = [&](const auto& samples) {
+        return known(estimate_channel_gains(samples, scene.held_out));
+    };
+    normalize_gains(table, scene.held_out);
+    const GainRule given = [&](const auto&) { return KnownGains{{table.begin(), table.end()}}; };
+    const bool decides = options.gains == "auto", by_channel = options.gains == "per-channel";
+    const GainRule& rule = reads_gains(options) ? given : by_channel ? channels : one;
+    const auto benefit = gain_benefit(scene, rule, by_channel ? &one : decides ? &channels : nullptr);
+    if (benefit) report.remarks.push_back(describe_benefit(*benefit, options));
+    if (decides && !benefit)
+        report.remarks.push_back(
+            "no gains are applied: too few photographs show the same of the surface to tell exposures from gloss");
+    if (decides && !(benefit && benefit->needed())) return none;
+    KnownGains found = rule(scene.samples);
+    for (const size_t i : found.guessed)
+        report.notes.push_back(fmt::format(
+            "image '{}' shares too little with others to estimate its gain: it is left at the mean exposure",
+            photographs[i].name));
+    return std::move(found.gains);
 }
 
 /// The crop rectangle in the dataset's encoding.
@@ -281,7 +312,7 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
     const std::vector<uint8_t> held_out =
         options.holdout.empty() ? held_out_by_calibration(model) : choose_held_out(names, directions, options.holdout);
     std::vector<double> gain_table;
-    if (options.gains != "none" && !estimates_gains(options)) gain_table = read_gains(options.gains, names);
+    if (reads_gains(options)) gain_table = read_gains(options.gains, names);
     for (std::string& note : mesh.notes) report.notes.push_back(std::move(note));
     report.remarks = model.remarks;
     for (std::string& remark : mesh.remarks) report.remarks.push_back(std::move(remark));
@@ -295,9 +326,9 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
 
     report.vertices = mesh.mesh.vertex_count();
     report.triangles = mesh.mesh.triangle_count();
+    std::optional<GainPoints> points;
+    if (options.gains != "none") points.emplace(mesh.mesh);
     {
-        std::optional<GainPoints> points;
-        if (estimates_gains(options)) points.emplace(mesh.mesh);
         std::vector<Rasterizer> rasters(static_cast<size_t>(thread_count()));
         Progress progress("reading images", photographs.size());
         std::vector<SmallView> views(std::min(photographs.size(), most_checked_views));
@@ -315,7 +346,7 @@ ImportReport import_calibrated(const char* format, ImportOptions options, Calibr
         check_parts(photographs, mesh, placement, views, options, model, report);
     }
     drop_blind_views(photographs, options, report);
-    const std::vector<Gain> gains = choose_gains(photographs, options, report);
+    const std::vector<Gain> gains = choose_gains(photographs, points, options, report);
 
     const Encoding encoding = choose_encoding(photographs);
     announce_needs("import", needs_of(photographs, mesh.mesh, encoding), out, options.force);

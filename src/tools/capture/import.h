@@ -20,7 +20,9 @@ struct ImportOptions {
                                   ///< names, if anything
     std::string holdout;          ///< see capture/split.h; empty: what the calibration says, else every:8
     int max_size = 0;             ///< longest side of a photograph, pixels; 0: as it is
-    std::string gains = "none";   ///< none, estimate, per-channel, or a table (see capture/gains.h)
+    /// auto, none, estimate, per-channel, or a table (see capture/gains.h). auto: one for each photograph where these
+    /// explain the photographs better than gloss does (capture/gain_benefit.h), else none.
+    std::string gains = "auto";
     /// Share of the masks' pixels that the mesh has to cover, without masks of all pixels; 0: any. Not given: 0.2 of
     /// the masks, or 0.01 of the pixels.
     std::optional<double> least_coverage;

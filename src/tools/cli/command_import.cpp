@@ -28,7 +28,6 @@ void tell(const auto& report, const std::string& out, bool json) {
     for (const std::string& note : report.notes) log_warning(note);
     for (const std::string& remark : report.remarks) log_info(remark);
     const Dataset dataset = open_dataset(out);
-    if (const auto benefit = gain_benefit(dataset)) log_info(describe_gains(*benefit));
     std::vector<std::string> suspicious = suspicious_images(dataset);
     if constexpr (requires { report.unlike; })  // those have been named with the reason
         std::erase_if(suspicious, [&](const std::string& name) { return std::ranges::count(report.unlike, name) > 0; });
@@ -93,7 +92,11 @@ void add_calibrated(CommandLine& command, const CalibrationFormat& format) {
         .input();
     import.add_text("--holdout,--held-out", options->holdout, std::string(holdout_help) + format.holdout_help).input();
     import.add_number("--max-size", options->max_size, limits::max_size, "longest side in pixels; 0 keeps the size");
-    import.add_text("--gains", options->gains, "none, estimate, per-channel, or a table (name ... linear gain)")
+    import
+        .add_text(
+            "--gains", options->gains,
+            "auto: estimated where photographs need them; none, estimate, per-channel, or a table (name ... linear "
+            "gain)")
         .input();
     import
         .add_word("--exif-orientation", options->exif_orientation,

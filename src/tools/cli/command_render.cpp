@@ -9,8 +9,8 @@
 
 #include "base/choose.h"
 #include "base/error.h"
-#include "base/log.h"
 #include "cli/commands.h"
+#include "cli/frames.h"
 #include "cli/pictures.h"
 #include "cli/raking.h"
 #include "cli/render_options.h"
@@ -34,19 +34,24 @@ Light lamp_towards(const std::vector<double>& xyz) {
     return {Light::Kind::distant, direction / length, Vec3d::Ones()};
 }
 
+/// Whether a photograph shows the same as the picture.
+bool is_compared(const RenderOptions& o) { return o.light.empty() && !o.enhancement; }
+
 /// Views of a fit beside their photographs.
 class Views {
 public:
     Views(const RenderOptions& options, Fitted& fitted, Pictures& pictures)
-        : options_(&options), fitted_(&fitted), pictures_(&pictures), fit_(shown_fit(options, fitted)) {}
+        : options_(&options), fitted_(&fitted), pictures_(&pictures), fit_(shown_fit(options, fitted)) {
+        if (is_compared(options)) baseline_ = baseline_of(fitted);
+    }
 
-    /// Adds the fit as a photograph shows it, and the sheet that compares the two.
-    void add_photographed(const std::string& name, uint32_t view) {
+    /// Adds the fit as a photograph shows it, and the sheet that compares the two; any thread.
+    void add_photographed(const std::string& name, uint32_t view, int worker = 0) {
         const Dataset& dataset = fitted_->dataset();
-        if (!baseline_) baseline_ = baseline_of(*fitted_);
-        const JudgedView judged = judged_view(fit_, dataset, view, options_->points());
-        const JudgedView trivial = judged_view(contestant_of(*baseline_), dataset, view, options_->points());
-        pictures_->add(name, in_exposure(picture(dataset.views[view]), judged.gain));
+        const int points = options_->points();
+        const JudgedView judged = judged_view(fit_, dataset, view, points, worker);
+        const JudgedView trivial = judged_view(contestant_of(*baseline_), dataset, view, points, worker);
+        pictures_->add(name, in_exposure(picture(dataset.views[view], worker), judged.gain));
         pictures_->add_sheet(
             name, comparison_sheet(judged, &trivial, dataset.encoding),
             fmt::format("photograph {}, {}, fit, 4 x |error|", dataset.views[view].name, baseline_name(*fitted_)));
@@ -57,20 +62,17 @@ public:
     double share_of_fit(const View& shown) const { return fit_.share_of_fit ? fit_.share_of_fit(shown) : 1; }
 
 private:
-    LightImage picture(const View& shown) const {
+    LightImage picture(const View& shown, int worker = 0) const {
         const Dataset& dataset = fitted_->dataset();
-        return render(fit_, dataset, options_->framed(shown, dataset), options_->points());
+        return render(fit_, dataset, options_->framed(shown, dataset), options_->points(), worker);
     }
 
     const RenderOptions* options_;
     Fitted* fitted_;
     Pictures* pictures_;
     Contestant fit_;
-    std::optional<Fitted> baseline_;
+    std::optional<Fitted> baseline_;  ///< where pictures are compared
 };
-
-/// Whether a photograph shows the same as the picture.
-bool is_compared(const RenderOptions& o) { return o.light.empty() && !o.enhancement; }
 
 /// Of the files of one picture.
 std::vector<const char*> endings_of(const RenderOptions& o) {
@@ -119,12 +121,8 @@ void render_all(const RenderOptions& o, Fitted& fitted) {
     Pictures pictures(o.output, o.background);
     for (const uint32_t view : shown) pictures.check(name_of(view), {".png", ".exr", "_sheet.png"});
     Views views(o, fitted, pictures);
-    Progress progress("render", shown.size());
-    for (const uint32_t view : shown) {
-        views.add_photographed(name_of(view), view);
-        progress.advance();
-    }
-    progress.finish();
+    make_pictures("render", shown.size(),
+                  [&](size_t i, int worker) { views.add_photographed(name_of(shown[i]), shown[i], worker); });
     pictures.commit();
 }
 

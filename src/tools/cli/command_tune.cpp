@@ -1,6 +1,9 @@
 // tune: which model and options suit a dataset.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -11,26 +14,76 @@
 #include "cli/commands.h"
 #include "fitting/image_checks.h"
 #include "fitting/tune.h"
+#include "publish/publish.h"
 
 namespace radiafit::tools {
 namespace {
 
-void print_json(const std::string& dataset, const std::vector<TriedSetting>& all) {
-    auto rows = nlohmann::ordered_json::array();
-    for (const TriedSetting& t : all)
-        rows.push_back(
-            {{"options", command_line_of(t.setting)}, {"psnr", t.psnr}, {"ape", t.ape}, {"seconds", t.seconds}});
-    fmt::print("{}\n", nlohmann::ordered_json{{"dataset", dataset}, {"tried", rows}}.dump(2));
+const TriedSetting& recommended(const Tuned& tuned) { return tuned.tried[tuned.recommended]; }
+
+/// About how long the page of a fit takes.
+double page_seconds(const TriedSetting& t, const Dataset& dataset) {
+    const double view = t.judge_seconds / double(std::max<size_t>(t.errors.size(), 1));
+    return expected_seconds(t.numbers, view, std::max<size_t>(dataset.split(true).size(), 1));
 }
 
-void print_table(const std::string& dataset, const std::vector<TriedSetting>& all, int validation) {
-    fmt::print("PSNR, dB    APE   seconds  options, best first; one in {} training views was left out to judge by\n",
-               validation);
-    for (const TriedSetting& t : all)
-        fmt::print("{:8.2f} {:6.2f} {:9.1f}  {}\n", t.psnr, t.ape, t.seconds, command_line_of(t.setting));
+void print_json(const std::string& name, const Dataset& dataset, const Tuned& tuned) {
+    auto rows = nlohmann::ordered_json::array(), left_out = rows;
+    for (const TriedSetting& t : tuned.tried)
+        rows.push_back({{"options", command_line_of(t.setting)},
+                        {"psnr", t.psnr},
+                        {"ape", t.ape},
+                        {"seconds", t.seconds},
+                        {"judge_seconds", t.judge_seconds},
+                        {"page_seconds", page_seconds(t, dataset)},
+                        {"numbers", t.numbers},
+                        {"bytes", t.bytes()}});
+    for (const UntriedSetting& s : tuned.left_out)
+        left_out.push_back({{"options", command_line_of(s.setting)}, {"seconds", s.seconds}});
+    fmt::print("{}\n", nlohmann::ordered_json{{"dataset", name},
+                                              {"tried", rows},
+                                              {"recommended", command_line_of(recommended(tuned).setting)},
+                                              {"left_out", left_out},
+                                              {"models_left_out", tuned.models_left_out}}
+                           .dump(2));
+}
+
+/// What was left out, and what more seconds would try.
+std::string describe_left_out(const Tuned& tuned, double given_seconds) {
+    if (tuned.left_out.empty())
+        return "all settings next to the best one were tried: more seconds would try nothing else";
+    double seconds = given_seconds;
+    std::vector<std::string> each;
+    for (const UntriedSetting& s : tuned.left_out) {
+        seconds += s.seconds;
+        each.push_back(fmt::format("{} (about {})", command_line_of(s.setting), duration(s.seconds)));
+    }
+    return fmt::format("left out for want of time: {}; --seconds {:.0f} would try {}", fmt::join(each, ", "),
+                       10 * std::ceil(seconds / 10), each.size() == 1 ? "it" : "them");
+}
+
+void print_table(const std::string& name, const Dataset& dataset, const Tuned& tuned, const TuneOptions& options) {
+    fmt::print(
+        "PSNR, dB    APE  numbers, M      MB  fit, s  judge, s  page, s  options, best first; one in {} training "
+        "views was left out to judge by\n",
+        left_out_every(dataset, options));
+    for (const TriedSetting& t : tuned.tried)
+        fmt::print("{:8.2f} {:6.2f} {:11.3f} {:7.1f} {:7.1f} {:9.1f} {:8.0f}  {}\n", t.psnr, t.ape,
+                   double(t.numbers) / 1e6, double(t.bytes()) / 1e6, t.seconds, t.judge_seconds,
+                   page_seconds(t, dataset), command_line_of(t.setting));
+    fmt::print("\n");
+    const TriedSetting &best = tuned.tried.front(), &chosen = recommended(tuned);
+    if (tuned.recommended > 0)
+        fmt::print(
+            "{}: {:.2f} dB less than the best, which is within the noise of {} views, with {:.2g} of its numbers\n",
+            command_line_of(chosen.setting), best.psnr - chosen.psnr, best.errors.size(),
+            double(chosen.numbers) / double(best.numbers));
+    if (!tuned.models_left_out.empty())
+        fmt::print("models that do not take all options given: {}\n", fmt::join(tuned.models_left_out, ", "));
+    fmt::print("{}\n\n", describe_left_out(tuned, options.seconds));
     // A name of its own: DATASET-fit is what the README calls the default fit.
-    const std::string stem = dataset.substr(0, dataset.find_last_not_of('/') + 1);
-    fmt::print("\nradiafit fit {} {} -o {}-tuned\n", dataset, command_line_of(all.front().setting), stem);
+    const std::string stem = name.substr(0, name.find_last_not_of('/') + 1);
+    fmt::print("radiafit fit {} {} -o {}-tuned\n", name, command_line_of(chosen.setting), stem);
 }
 
 /// Options of a fit that tune takes, too: every fit then has them. Fits of tune are in one piece and
@@ -66,23 +119,23 @@ void add_tune(CommandLine& program) {
                 o->tune.fixed.emplace_back(option.name, option.text(o->fixed));
         const Dataset dataset = open_dataset(o->dataset);
         std::optional<Interrupted> stopped;
-        const auto all = tune(
+        const Tuned tuned = tune(
             dataset, o->tune,
             [](const TriedSetting& t) {
                 log_info(fmt::format("{:.2f} dB in {:.1f} s: {}", t.psnr, t.seconds, command_line_of(t.setting)));
             },
             &stopped);
-        if (stopped && all.empty()) throw Interrupted(*stopped);
+        if (stopped && tuned.tried.empty()) throw Interrupted(*stopped);
         if (o->json)
-            print_json(o->dataset, all);
+            print_json(o->dataset, dataset, tuned);
         else {
             const std::string suspicious = stopped ? "" : describe_suspicious(suspicious_images(dataset));
             if (!suspicious.empty()) log_warning(suspicious);
-            print_table(o->dataset, all, left_out_every(dataset, o->tune));
+            print_table(o->dataset, dataset, tuned, o->tune);
         }
         if (!stopped) return;
         finish_standard_output();
-        stopped->note = fmt::format("the best of {} that were tried are printed", all.size());
+        stopped->note = fmt::format("the best of {} that were tried are printed", tuned.tried.size());
         throw Interrupted(*stopped);
     });
 }

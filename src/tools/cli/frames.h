@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,10 @@ struct NamedView {
     std::string name;
     View view;
 };
+
+/// Makes so many pictures, make(i, worker), as many at once as there are threads. The first one, by itself, tells how
+/// long the others will take, which is said before they begin.
+void make_pictures(const char* task, size_t count, const std::function<void(size_t i, int worker)>& make);
 
 /// Renders them into the output's folder, if there is one, and as a film where one was asked for. what: for the
 /// progress. Returns the least share of the fit that one of them shows.

@@ -61,23 +61,28 @@ void Pictures::check(const std::string& name, std::initializer_list<const char*>
 void Pictures::add(const std::string& name, const LightImage& image) {
     write_light_exr(files_.path() / (name + ".exr"), image);
     add(name, to_bytes(image, background_));
-    messages_.push_back(fmt::format("{0}.png, {0}.exr", (folder_ / name).string()));
+    say(name, fmt::format("{0}.png, {0}.exr", (folder_ / name).string()));
 }
 
 void Pictures::add_sheet(const std::string& name, const ByteImage& sheet, const std::string& content) {
     add(name + "_sheet", sheet);
-    messages_.push_back(fmt::format("{}_sheet.png: {}", (folder_ / name).string(), content));
+    say(name, fmt::format("{}_sheet.png: {}", (folder_ / name).string(), content));
 }
 
 void Pictures::add(const std::string& name, const ProblemPicture& picture) {
     draw_problems(picture, files_.path() / name);
-    messages_.push_back(fmt::format("{0}.png, {0}.svg", (folder_ / name).string()));
+    say(name, fmt::format("{0}.png, {0}.svg", (folder_ / name).string()));
 }
 
 void Pictures::commit() {
     for (const fs::path& file : checked_) check_ours(file);  // again: something may be there by now
     files_.commit();
-    for (const std::string& message : messages_) log_info(message);
+    for (const auto& [name, message] : messages_) log_info(message);
+}
+
+void Pictures::say(const std::string& name, std::string message) {
+    std::scoped_lock lock(mutex_);
+    messages_.emplace(name, std::move(message));
 }
 
 void Pictures::add(const std::string& name, const ByteImage& bytes) const {

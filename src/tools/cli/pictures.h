@@ -1,6 +1,8 @@
 #pragma once
 #include <filesystem>
 #include <initializer_list>
+#include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -28,6 +30,7 @@ public:
     /// Refuses a name that exists with one of `endings` and is not render's: a fit's map, a photograph; or another
     /// picture of render's that the user didn't ask to replace.
     void check(const std::string& name, std::initializer_list<const char*> endings);
+    /// Any thread, as add_sheet(). Messages are in the order of the names.
     void add(const std::string& name, const LightImage& image);
     void add_sheet(const std::string& name, const ByteImage& sheet, const std::string& content);
     void add(const std::string& name, const ProblemPicture& picture);
@@ -40,7 +43,10 @@ private:
     Background background_;
     AtomicFiles files_;
     std::vector<std::filesystem::path> checked_;
-    std::vector<std::string> messages_;
+    void say(const std::string& name, std::string message);
+
+    std::mutex mutex_;
+    std::multimap<std::string, std::string> messages_;  ///< by name
 };
 
 }  // namespace radiafit::tools

@@ -66,9 +66,10 @@ Video::Video(fs::path file, const Background& background)
       film_(file_.parent_path()),
       frames_(file_.parent_path(), file_.filename().string()) {}
 
-void Video::add(const LightImage& frame) {
+void Video::add(size_t number, const LightImage& frame) {
     const ByteImage bytes = to_bytes(frame, background_);
-    write_png(frames_.path() / fmt::format("{:05d}.png", count_++), bytes.width, bytes.height, bytes.rgb);
+    write_png(frames_.path() / fmt::format("{:05d}.png", number), bytes.width, bytes.height, bytes.rgb);
+    ++count_;
 }
 
 void Video::encode() {
@@ -114,7 +115,7 @@ void Video::encode() {
 void Video::commit() {
     check_ours(file_);  // again: something may be there by now
     film_.commit();
-    log_info(fmt::format("{}: {} frames, {} a second", file_.string(), count_, frames_per_second));
+    log_info(fmt::format("{}: {} frames, {} a second", file_.string(), count_.load(), frames_per_second));
 }
 
 }  // namespace radiafit::tools

@@ -1,4 +1,5 @@
 #pragma once
+#include <atomic>
 #include <filesystem>
 #include <string>
 
@@ -17,8 +18,8 @@ public:
     /// Throws UserError for another ending, an ending that `background` doesn't fit, and where ffmpeg is missing.
     Video(std::filesystem::path file, const Background& background);
 
-    /// All of one size; kept as PNG in a hidden folder until encode().
-    void add(const LightImage& frame);
+    /// The frame of that number, from 0 on; any thread. All of one size; kept as PNG in a hidden folder until encode().
+    void add(size_t number, const LightImage& frame);
     /// Throws UserError with what ffmpeg says, if it fails.
     void encode();
     /// The film takes its name.
@@ -29,7 +30,7 @@ private:
     Background background_;
     AtomicFiles film_;
     UnfinishedFolder frames_;
-    int count_ = 0;
+    std::atomic<int> count_ = 0;
 };
 
 }  // namespace radiafit::tools

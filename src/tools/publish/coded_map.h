@@ -4,23 +4,37 @@
 #include <string>
 #include <vector>
 
+#include "image/web/webp_image.h"
 #include "publish/page_model.h"
 
 namespace radiafit::tools {
 
 /// A map in steps: value (or its signed root) = scale (q - bias) of whole numbers q, each channel with its own scale. q
 /// has 16 bits, in two images of bytes; the upper one is left out where 8 bits do.
-struct CodedMap {
+struct SteppedMap {
     std::array<float, 3> scale{1, 1, 1}, offset{};  ///< offset = -bias scale, so that zeros come back as zeros
-    std::string low, high;                          ///< lossless WebP; high may be empty
+    ByteRaster low, high;                           ///< high may be empty
+};
+/// step: of each channel.
+SteppedMap stepped_map(const PageMap& map, const std::array<float, 3>& step);
+/// The numbers that the steps stand for, by the page's own sums in single precision. `like`: the map that they are of.
+PageMap decoded_map(const SteppedMap& stepped, const PageMap& like);
+
+/// The same as a page has it.
+struct CodedMap {
+    std::array<float, 3> scale{1, 1, 1}, offset{};
+    std::string low, high;  ///< lossless WebP; high may be empty
     size_t bytes() const { return low.size() + high.size(); }
 };
-
-/// step: of each channel. Throws UserError where the image is too large for the format.
-CodedMap code_map(const PageMap& map, const std::array<float, 3>& step);
-/// What a page gets of a coded map: read back from the bytes, by the same sums in single precision. `like`: the map
-/// that it was made from.
-PageMap decoded_map(const CodedMap& coded, const PageMap& like);
+/// Throws UserError where the image is too large for the format.
+CodedMap code_map(const SteppedMap& stepped);
+/// What a browser reads.
+SteppedMap stepped_map(const CodedMap& coded);
+/// About how many bytes code_map() makes of it, by bands of it, which are share_of_bands of a large map; and which
+/// share of this one they are.
+size_t expected_bytes(const SteppedMap& stepped);
+double share_coded(const SteppedMap& stepped);
+inline constexpr double share_of_bands = 0.125;
 
 /// A value as it is stored: itself, or its signed root.
 float stored_number(const PageMap& map, float value);

@@ -99,9 +99,9 @@ PageModel page_model_of(const LightBasisFit& fit, const Atlas& atlas, const Data
         if (own_normals) shown->atlas = atlas_with(decoded[normals], atlas, dataset, fit.surface_side);
         std::vector<SafeRelighting::Bounds> bounds;
         if (fit.underneath) bounds = bounds_of(&decoded[parameters], atlas);
-        return kept_alive(
+        return ShownMaps{kept_alive(
             contestant_of(shown->fit, own_normals ? *shown->atlas : atlas, dataset, training, std::move(bounds)),
-            shown);
+            shown)};
     };
     return page;
 }

@@ -80,7 +80,7 @@ PageModel page_model_of(const LightFieldFit& fit, const Mesh& mesh) {
             else
                 take_view_image(decoded[map].image, layout->maps, k, *shown);
         });
-        return kept_alive(contestant_of(*shown, mesh), shown);
+        return ShownMaps{kept_alive(contestant_of(*shown, mesh), shown)};
     };
     return page;
 }

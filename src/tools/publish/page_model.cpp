@@ -2,14 +2,13 @@
 
 #include <cmath>
 
-#include "fit/fit_maps.h"
-
 namespace radiafit::tools {
 namespace {
 
 constexpr size_t channels_of_map = 3;
 
-/// The maps in pieces of at most three channels.
+}  // namespace
+
 std::vector<TexelMap> pieces_of(std::span<const TexelMap> maps) {
     std::vector<TexelMap> out;
     for (const TexelMap& map : maps)
@@ -21,8 +20,6 @@ std::vector<TexelMap> pieces_of(std::span<const TexelMap> maps) {
         }
     return out;
 }
-
-}  // namespace
 
 Contestant kept_alive(Contestant contestant, std::shared_ptr<const void> owner) {
     Contestant out = contestant;

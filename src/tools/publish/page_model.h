@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "eval/contestant.h"
+#include "fit/fit_maps.h"
 #include "fit/texel_fit.h"
 #include "image/exr.h"
 
@@ -37,6 +38,14 @@ struct PageTable {
     std::vector<float> entries;
 };
 
+/// How decoded maps look.
+struct ShownMaps {
+    Contestant contestant;
+    /// Has the contestant show another state of one of those maps whose steps follow from what they show. Empty: all
+    /// are to be shown anew.
+    std::function<void(size_t map, const PageMap& decoded)> change = {};
+};
+
 struct PageModel {
     std::string shader = {};         ///< shaders/view/SHADER.frag
     std::string vertex_shader = {};  ///< its values at vertices, SHADER.frag; empty: none
@@ -54,7 +63,7 @@ struct PageModel {
     bool fades = true;
     float most_uncertainty = 0;  ///< where the scale of the map of uncertainty ends; 0: there is none
     /// How these maps look, decoded and in the same order. It owns what it needs but for the fit and its dataset.
-    std::function<Contestant(const std::vector<PageMap>& maps)> shown = {};
+    std::function<ShownMaps(const std::vector<PageMap>& maps)> shown = {};
 };
 
 /// `contestant`, which keeps `owner` alive.
@@ -68,7 +77,23 @@ float root_mean_square(float error, uint32_t samples);
 /// Maps of parameters [texels][numbers of all `maps`], at most three channels each: a longer one becomes several.
 std::vector<PageMap> parameter_maps(std::span<const TexelMap> maps, std::span<const float> parameters,
                                     const Atlas& atlas);
+/// `maps` as parameter_maps() cuts them.
+std::vector<TexelMap> pieces_of(std::span<const TexelMap> maps);
 /// The way back from the first of `decoded`.
 std::vector<float> parameters_of(std::span<const TexelMap> maps, std::span<const PageMap> decoded, const Atlas& atlas);
+
+/// Of a fit with colours by view direction: its parameters by these maps, the first of a page's.
+template <class Fit, class AtlasOfFit>
+std::function<ShownMaps(const std::vector<PageMap>&)> shown_by_view(const Fit& fit, const AtlasOfFit& atlas,
+                                                                    std::vector<TexelMap> maps) {
+    return [&fit, &atlas, pieces = pieces_of(maps)](const std::vector<PageMap>& decoded) {
+        const auto shown = std::make_shared<Fit>(fit);
+        const auto change = [shown, &atlas, pieces](size_t map, const PageMap& other) {
+            take_parameter_image(other.image, atlas, pieces.at(map), shown->parameters);
+        };
+        for (size_t m = 0; m < pieces.size(); ++m) change(m, decoded[m]);
+        return ShownMaps{kept_alive(contestant_of(*shown, atlas), shown), change};
+    };
+}
 
 }  // namespace radiafit::tools

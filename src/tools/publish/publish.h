@@ -40,6 +40,10 @@ struct PublishOutcome {
     size_t photographs = 0;                              ///< in this split
 };
 
+/// About how long publish() takes for a fit of so many numbers, of which a picture takes so long with all threads at
+/// work, by what coding takes on this machine.
+double expected_seconds(size_t numbers, double view_seconds, size_t judged_views, const PublishOptions& options = {});
+
 /// Encodes the maps, decodes them again, and has the judge compare renders of both. Throws UserError where no page of
 /// so few megabytes can be made.
 PublishOutcome publish(Published fit, const PublishOptions& options);

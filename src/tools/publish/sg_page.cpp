@@ -17,11 +17,7 @@ PageModel page_model_of(const SgFit& fit, const TriangleAtlas& atlas) {
     page.residual_unit = "pixel values, white = 1";
     page.largest_side = fit.surface_side;
     page.atlas = &atlas;
-    page.shown = [&fit, &atlas, maps](const std::vector<PageMap>& decoded) {
-        const auto shown = std::make_shared<SgFit>(fit);
-        shown->parameters = parameters_of(maps, decoded, atlas);
-        return kept_alive(contestant_of(*shown, atlas), shown);
-    };
+    page.shown = shown_by_view(fit, atlas, maps);
     return page;
 }
 

@@ -5,28 +5,53 @@
 
 #include "base/parallel.h"
 #include "base/rng.h"
-#include "eval/render.h"
+#include "eval/pixel_areas.h"
+#include "publish/choices.h"
 #include "publish/coded_map.h"
 
 namespace radiafit::tools {
 namespace {
 
 constexpr size_t views_rendered = 3;
-constexpr float noise_share = 0.02f;  // of a map's root mean square
+constexpr size_t pixels_of_view = 1 << 14;  // at most, of those that see the surface: its texture's mean is wanted
+constexpr float noise_share = 0.02f;        // of a map's root mean square
 
-/// sRGB values of some views, one after another.
-std::vector<float> pictures(const PageModel& model, const Dataset& dataset, const std::vector<uint32_t>& views) {
-    const Contestant contestant = model.shown(model.maps);
-    std::vector<std::vector<float>> each(views.size());
-    for (size_t i = 0; i < views.size(); ++i) {
-        const LightImage image = render(contestant, dataset, dataset.views[views[i]], 1);
-        for (const float light : image.rgb)
-            each[i].push_back(float(srgb_encode(std::isfinite(light) ? std::clamp(double(light), 0.0, 1.0) : 0.0)));
+/// Some of the pixels of some views.
+class Pictures {
+public:
+    Pictures(const Dataset& dataset, const std::vector<uint32_t>& training) : dataset_(dataset) {
+        for (const uint32_t v : spread(training, views_rendered)) views_.push_back(v);
+        seen_.resize(views_.size());
+        parallel_for(views_.size(), 1, [&](size_t i, int) {
+            Rasterizer rasterizer;
+            std::vector<RasterPixel> all = seen_pixels(dataset, dataset.views[views_[i]], rasterizer);
+            std::erase_if(all, [](const RasterPixel& p) { return p.triangle == no_triangle; });
+            const size_t count = std::min(all.size(), pixels_of_view);
+            for (size_t k = 0; k < count; ++k) seen_[i].push_back(all[k * all.size() / count]);
+        });
     }
-    std::vector<float> all;
-    for (const auto& picture : each) all.insert(all.end(), picture.begin(), picture.end());
-    return all;
-}
+
+    /// sRGB values of all of them, one after another.
+    std::vector<float> shown(const Contestant& contestant) const {
+        std::vector<std::vector<float>> each(views_.size());
+        parallel_for(views_.size(), 1, [&](size_t i, int worker) {
+            contestant.shade(dataset_.views[views_[i]], seen_[i], each[i], worker);
+            for (float& value : each[i]) {
+                const double light =
+                    contestant.space == TargetSpace::stored ? decode(dataset_.encoding, value) : double(value);
+                value = float(srgb_encode(std::isfinite(light) ? std::clamp(light, 0.0, 1.0) : 0.0));
+            }
+        });
+        std::vector<float> all;
+        for (const auto& picture : each) all.insert(all.end(), picture.begin(), picture.end());
+        return all;
+    }
+
+private:
+    const Dataset& dataset_;
+    std::vector<uint32_t> views_;
+    std::vector<std::vector<RasterPixel>> seen_;
+};
 
 double root_mean_square(const std::vector<float>& values) {
     double sum = 0;
@@ -37,52 +62,70 @@ double root_mean_square(const std::vector<float>& values) {
 
 /// Noise on some channels of a map as it is stored, where it isn't 0. Returns its root mean square.
 double add_noise(PageMap& map, size_t first, size_t end) {
-    const size_t channels = map.image.channels.size();
+    const size_t channels = map.image.channels.size(), pixels = map.image.values.size() / channels;
+    std::vector<float>& values = map.image.values;
     std::vector<float> stored;
-    for (size_t i = 0; i < map.image.values.size(); ++i)
-        if (i % channels >= first && i % channels < end) stored.push_back(stored_number(map, map.image.values[i]));
+    stored.reserve(pixels * (end - first));
+    for (size_t i = 0; i < pixels; ++i)
+        for (size_t c = first; c < end; ++c) stored.push_back(stored_number(map, values[i * channels + c]));
     const float most = noise_share * std::sqrt(3.0f) * float(root_mean_square(stored));
-    for (size_t i = 0; i < map.image.values.size(); ++i) {
-        float& value = map.image.values[i];
-        if (value == 0 || i % channels < first || i % channels >= end) continue;
-        const float uniform = 2 * random_uniform(0, i) - 1;
-        value = number_of(map, stored_number(map, value) + most * uniform);
-    }
+    constexpr size_t grain = 1 << 14;
+    parallel_for(pixels, grain, [&](size_t pixel, int) {
+        for (size_t i = pixel * channels + first; i < pixel * channels + end; ++i) {
+            if (values[i] == 0) continue;
+            const float uniform = 2 * random_uniform(0, i) - 1;
+            values[i] = number_of(map, stored_number(map, values[i]) + most * uniform);
+        }
+    });
     return most / std::sqrt(3.0);
+}
+
+/// Calls body(map, first channel, end) for what has one step: a map, or each of its channels.
+template <class Body>
+void for_each_step(const PageModel& model, const Body& body) {
+    for (size_t m = 0; m < model.maps.size(); ++m) {
+        const PageMap& map = model.maps[m];
+        if (map.fixed_step[0] > 0) continue;
+        const size_t channels = map.image.channels.size(), group = map.one_unit ? channels : 1;
+        for (size_t first = 0; first < channels; first += group) body(m, first, first + group);
+    }
 }
 
 }  // namespace
 
+size_t chosen_steps(const PageModel& model) {
+    size_t count = 0;
+    for_each_step(model, [&](size_t, size_t, size_t) { ++count; });
+    return count;
+}
+
 std::vector<std::array<float, 3>> map_effects(PageModel& model, const Dataset& dataset,
-                                              const std::vector<uint32_t>& training) {
-    std::vector<uint32_t> views;
-    for (size_t i = 0; i < std::min(views_rendered, training.size()); ++i)
-        views.push_back(training[(2 * i + 1) * training.size() / (2 * std::min(views_rendered, training.size()))]);
-    const std::vector<float> before = pictures(model, dataset, views);
+                                              const std::vector<uint32_t>& training,
+                                              const std::function<void()>& measured) {
+    const Pictures pictures(dataset, training);
+    const ShownMaps shown = model.shown(model.maps);
+    const std::vector<float> before = pictures.shown(shown.contestant);
     std::vector<std::array<float, 3>> effects(model.maps.size(), {0, 0, 0});
-    for (size_t m = 0; m < model.maps.size(); ++m) {
+    for_each_step(model, [&](size_t m, size_t first, size_t end) {
         PageMap& map = model.maps[m];
-        if (map.fixed_step[0] > 0) continue;
-        const size_t channels = map.image.channels.size(), group = map.one_unit ? channels : 1;
-        for (size_t first = 0; first < channels; first += group) {
-            const std::vector<float> values = map.image.values;
-            const double noise = add_noise(map, first, first + group);
-            std::vector<float> change = pictures(model, dataset, views);
-            for (size_t i = 0; i < change.size(); ++i) change[i] -= before[i];
-            map.image.values = values;
-            const float effect = noise > 0 ? float(root_mean_square(change) / noise) : 0;
-            std::fill_n(effects[m].begin() + ptrdiff_t(first), group, effect);
-        }
-    }
+        const std::vector<float> values = map.image.values;
+        const double noise = add_noise(map, first, end);
+        if (shown.change) shown.change(m, map);
+        std::vector<float> change =
+            pictures.shown(shown.change ? shown.contestant : model.shown(model.maps).contestant);
+        for (size_t i = 0; i < change.size(); ++i) change[i] -= before[i];
+        map.image.values = values;
+        if (shown.change) shown.change(m, map);
+        const float effect = noise > 0 ? float(root_mean_square(change) / noise) : 0;
+        std::fill_n(effects[m].begin() + ptrdiff_t(first), end - first, effect);
+        measured();
+    });
     return effects;
 }
 
 std::vector<std::array<float, 3>> map_steps(const PageModel& model, const std::vector<std::array<float, 3>>& effects,
                                             double rms) {
-    size_t groups = 0;
-    for (const PageMap& map : model.maps)
-        if (map.fixed_step[0] == 0) groups += map.one_unit ? 1 : map.image.channels.size();
-    const double each = rms * std::sqrt(12.0 / double(std::max<size_t>(groups, 1)));
+    const double each = rms * std::sqrt(12.0 / double(std::max<size_t>(chosen_steps(model), 1)));
     std::vector<std::array<float, 3>> steps(model.maps.size());
     for (size_t m = 0; m < model.maps.size(); ++m)
         for (size_t c = 0; c < 3; ++c) {

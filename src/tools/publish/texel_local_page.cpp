@@ -48,9 +48,9 @@ PageModel page_model_of(const ReflectanceFit& fit, const Atlas& atlas, const Dat
         shown->fit.parameters = parameters_of(maps, decoded, atlas);
         if (own_normals) shown->atlas = atlas_with(decoded[normals], atlas, dataset, fit.options.surface_side);
         const Atlas& texels = own_normals ? *shown->atlas : atlas;
-        return kept_alive(contestant_of(std::make_shared<const SafeRelighting>(dataset, training, texels, shown->fit,
-                                                                               bounds_of(&decoded[parameters], atlas))),
-                          shown);
+        return ShownMaps{kept_alive(contestant_of(std::make_shared<const SafeRelighting>(
+                                        dataset, training, texels, shown->fit, bounds_of(&decoded[parameters], atlas))),
+                                    shown)};
     };
     return page;
 }

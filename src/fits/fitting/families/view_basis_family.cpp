@@ -130,8 +130,6 @@ const Family view_bases = [] {
     family.choose = choose_view_basis;
     family.resolve_options = resolve_by_view;
     family.candidates = view_basis_candidates;
-    // Mean colours would take an image that looks into the gloss for one that was exposed longer.
-    family.quick = [] { return FitSetting{{"model", view_basis_name}, {"rank", "6"}, {"surface_side", "4"}}; };
     return family;
 }();
 

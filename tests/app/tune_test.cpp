@@ -1,0 +1,45 @@
+// Which of the settings that a search tried is recommended, by made errors.
+#include "fitting/tune.h"
+
+#include <gtest/gtest.h>
+
+#include "base/rng.h"
+
+namespace radiafit {
+using namespace fits;
+namespace {
+
+/// Errors of some views, each `ratio` times what views have anyway, give or take `noise`.
+TriedSetting tried(size_t numbers, int views, double ratio, double noise, uint64_t seed = 0) {
+    TriedSetting t;
+    t.numbers = numbers;
+    Rng of_view(7), own(seed + numbers);
+    for (int i = 0; i < views; ++i) {
+        const double mean = 0.001 * (1 + 9 * double(of_view.uniform()));  // views differ much more than settings
+        ErrorSums sums;
+        sums.squared = mean * ratio * (1 + noise * (2 * double(own.uniform()) - 1));
+        sums.values = 1;
+        t.errors.push_back(sums);
+    }
+    return t;
+}
+
+TEST(Tune, ABetterSettingIsWorthItsNumbers) {
+    // 0.2 dB in every view, however different these are from each other
+    EXPECT_EQ(smallest_as_good({tried(400, 12, 0.955, 0.01), tried(100, 12, 1, 0.01)}), 0u);
+    EXPECT_EQ(smallest_as_good({tried(400, 12, 0.955, 0.01)}), 0u);
+}
+
+TEST(Tune, WithinTheNoiseOfItsViewsTheSmallestWins) {
+    // 0.04 dB in the mean, and a view's error is off by some percent
+    for (uint64_t seed = 0; seed < 5; ++seed)
+        EXPECT_EQ(smallest_as_good({tried(400, 12, 0.995, 0.1, seed), tried(200, 12, 0.998, 0.1, seed),
+                                    tried(100, 12, 1, 0.1, seed), tried(50, 12, 1.5, 0.1, seed)}),
+                  2u);
+    // Alike, it is the smaller one; and of two of one size the better.
+    EXPECT_EQ(smallest_as_good({tried(400, 4, 1, 0), tried(100, 4, 1, 0)}), 1u);
+    EXPECT_EQ(smallest_as_good({tried(100, 12, 0.995, 0.1), tried(100, 12, 1, 0.1, 3), tried(400, 12, 1, 0.1)}), 0u);
+}
+
+}  // namespace
+}  // namespace radiafit
