@@ -121,10 +121,13 @@ std::vector<Gain> choose_gains(std::vector<Photograph>& photographs, const std::
             "no gains are applied: too few photographs show the same of the surface to tell exposures from gloss");
     if (decides && !(benefit && benefit->needed())) return none;
     KnownGains found = rule(scene.samples);
-    for (const size_t i : found.guessed)
-        report.notes.push_back(fmt::format(
-            "image '{}' shares too little with others to estimate its gain: it is left at the mean exposure",
-            photographs[i].name));
+    for (const size_t i : found.guessed) {
+        (decides ? report.remarks : report.notes)
+            .push_back(fmt::format(
+                "image '{}' shares too little with others to estimate its gain: it is left at the mean exposure",
+                photographs[i].name));
+        report.unlike.push_back(photographs[i].name);
+    }
     return std::move(found.gains);
 }
 

@@ -140,7 +140,7 @@ void check_parts(const std::vector<Photograph>& photographs, const MeshFile& fil
                               100.0 * double(coverage.both) / double(coverage.mesh));
     report.remarks.push_back(fmt::format("{}; {}", remark, check.summary));
     for (std::string& note : check.notes) report.notes.push_back(std::move(note));
-    report.unlike = std::move(check.named);
+    report.unlike.insert(report.unlike.end(), check.named.begin(), check.named.end());
 }
 
 }  // namespace radiafit::tools
