@@ -85,7 +85,7 @@ class Rti(ProgramTest):
         self.browser.wait_for("window.loaded === true")
         for x, y in ((0, 0), (0.3, 0.2), (-0.5, 0.1), (0.1, -0.6), (0.4, -0.4)):
             self.browser.evaluate(f"light({x}, {y})")
-            self.good("render", model, "--light", f"{x},{y},{math.sqrt(1 - x * x - y * y)}", "-o", "picture")
+            self.good("render", model, "--light", f"{x},{y},{math.sqrt(1 - x * x - y * y)}", "--replace", "-o", "picture")
             rendered = read_png(self.root / "picture.png")[2]
             width, height, shown = self.browser.picture(lambda shot: shot[:2] == SIDES and psnr(shot[2], rendered) > least)
             self.assertEqual((width, height), SIDES)
