@@ -140,7 +140,7 @@ void write(Experiment& experiment, const std::vector<Row>& all) {
                    r.seconds ? fmt::format("{:.1f} s", *r.seconds) : "pictures"});
     }
     file.commit();
-    const std::string caption = "held-out lamps of real captures; " + experiment.cpu_device();
+    const std::string caption = "held-out lamps; " + experiment.cpu_device();
     log_info(caption + "\n" + table.text());
     write_file(results.path() / "relighting.md",
                fmt::format("# {}\n\nPSNR of stored values over the object's pixels of the images that each capture "
