@@ -150,7 +150,13 @@ CompiledLibrary::CompiledLibrary(const LibrarySource& source) {
         seconds_ = clock.wall_s();
     }
     library_ = dlopen(library->c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!library_) throw SystemError(fmt::format("dlopen {} failed: {}", library->string(), dlerror()));
+    if (!library_) {
+        const std::string why = dlerror();
+        if (why.find("undefined symbol") != std::string::npos)
+            throw UserError(fmt::format(
+                "{}: this program shows its functions to no library; fit it by the program radiafit", source.name));
+        throw SystemError(fmt::format("dlopen {} failed: {}", library->string(), why));
+    }
 }
 
 CompiledLibrary::~CompiledLibrary() {

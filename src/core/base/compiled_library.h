@@ -23,7 +23,8 @@ struct LibrarySource {
 /// and taken from there.
 class CompiledLibrary {
 public:
-    /// Throws UserError: there is no compiler; or what it says of the text, "NAME:LINE: ...".
+    /// Throws UserError: there is no compiler; what it says of the text, "NAME:LINE: ..."; the library calls functions
+    /// that this program does not export.
     explicit CompiledLibrary(const LibrarySource& source);
     ~CompiledLibrary();
     CompiledLibrary(const CompiledLibrary&) = delete;
