@@ -55,14 +55,24 @@ class OwnModel(ProgramTest):
         self.good("render", "own", "--all", "held-out", "-o", "renders")
         self.good("export", "maps", "own", "-o", "maps")
 
+    def test_shards_are_merged_by_the_text_they_keep(self):
+        for shard in (1, 2):
+            self.good("fit", "ornament", "--model", "blinn.glsl", "--shard", f"{shard}/2", "-o", f"shard{shard}")
+        self.good("merge", "shard1", "shard2", "-o", "merged")
+        self.assertEqual(self.judged("merged"), self.judged("own"))
+
     def test_wrong_texts_are_refused_by_their_lines(self):
         for name, old, new, says in (
             ("names", "coefficient_names", "other_names", "a texel model's text must define coefficient_names[BASIS_COUNT]"),
-            ("unknown", "exp(exp(s.x[0]) * t.x[1])", "sin(s.x[0])", "unknown.glsl:20: no function sin"),
+            ("unknown", "exp(exp(s.x[0]) * t.x[1])", "sin(s.x[0])", "unknown.glsl:20: "),
             ("typing", "b.x[0] = t.x[0];", "b.x[0] = t.y;", "typing.glsl:19: "),
             ("cut", "    return b;\n}\n\n#ifdef", "", "cut.glsl:"),
             ("9lives", "", "", "a model is named as its file"),
             ("lafortune", "", "", "there is a model lafortune in the program already"),
+            ("viewbasis", "", "", "there is a model viewbasis in the program already"),
+            ("bounds", "", "", "the program has a text bounds itself"),
+            ("slash", '"rho_d", "rho_s"', '"../rho", "rho_s"', "named '../rho': take letters, digits and _"),
+            ("twice", '"rho_d", "rho_s"', '"rho_d", "log_n"', "two maps of a fit would be named log_n"),
         ):
             (self.root / f"{name}.glsl").write_text(self.text.replace(old, new) if old else self.text)
             self.refused("plan", "ornament", "--model", f"{name}.glsl", says=[f"{name}.glsl", says])

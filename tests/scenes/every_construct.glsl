@@ -6,6 +6,7 @@ struct Terms { real x[TERM_COUNT]; };
 struct Shape { real x[SHAPE_COUNT]; };
 struct Basis { real x[BASIS_COUNT]; };
 struct Pair { real first, second; };
+#define QUARTER real(0.25)
 
 SHARED_FN Terms sample_terms(real3 u, real3 v) {
     Terms t;
@@ -24,13 +25,16 @@ SHARED_FN Pair parts(real a, real b) {
 /* Sets what it is given
    to something else. */
 SHARED_FN void unused_by_basis(INOUT(real) x) { x = real(0.0); }
-SHARED_FN real squared(real3 a) { return a.x * a.x + a.y * a.y + a.z * a.z; }
+// Not shape_slope(...) nor shape_bend(...), but named as what is made.
+SHARED_FN real multiply(real a, real b) { return a * b; }
+SHARED_FN real squared(real3 a) { return multiply(a.x, a.x) + a.y * a.y + a.z * a.z; }
 
 SHARED_FN Basis basis(Shape s, Terms t) {
     Basis b;
     b.x[0] = t.x[1];
-    real sum = real(0.25), turns = real(1);
-    for (int i = 0; i < SHAPE_COUNT - 1; ++i) {
+    real sum = QUARTER, turns = real(1);
+    int last = SHAPE_COUNT - 1;
+    for (int i = 0; i < last; ++i) {
         sum += s.x[i] * t.x[i];
         turns *= real(1.0) + real(0.125) * s.x[i + 1];
     }

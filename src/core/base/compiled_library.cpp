@@ -88,6 +88,12 @@ std::optional<path> kept(const path& folder, const std::string& key) {
     return std::nullopt;
 }
 
+/// The same where models are kept, or where they are where nobody may write there.
+std::optional<path> kept(const std::string& key) {
+    const auto found = kept(compiled_models_folder(), key);
+    return found ? found : kept(temporary_folder(), key);
+}
+
 /// Where to compile: where models are kept, or where nobody may write there, below the folder for temporary files.
 std::unique_ptr<UnfinishedFolder> working_folder() {
     try {
@@ -97,9 +103,9 @@ std::unique_ptr<UnfinishedFolder> working_folder() {
     }
 }
 
-/// By which a library is found again: all that it is made of.
-std::string key_of(const LibrarySource& source, const std::string& program) {
-    std::string all = source.text + program + run_program({program, "-v"}).message + instructions();
+/// By which a library is found again: all that it is made of, but for the compiler, so that it serves without one.
+std::string key_of(const LibrarySource& source) {
+    std::string all = source.text + instructions();
     for (const EmbeddedText& part : source.files) all += part.text;
     for (const std::string& flag : source.flags) all += flag;
     return checksum(all);
@@ -116,7 +122,7 @@ path compile(const LibrarySource& source, const std::string& program, const std:
     }
     const path text = work->path() / "model.cpp", made = work->path() / "model.so";
     write_file(text, source.text);
-    std::vector<std::string> command = {program};
+    std::vector<std::string> command = {"env", "LC_ALL=C", program};  // whose messages are read here
     command.insert(command.end(), source.flags.begin(), source.flags.end());
     for (const std::string& folder : source.folders)
         command.insert(command.end(), {"-I", (work->path() / folder).string()});
@@ -137,16 +143,14 @@ path compiled_models_folder() {
     return cache.empty() ? temporary_folder() : cache / "models";
 }
 
-bool CompiledLibrary::is_kept(const LibrarySource& source) {
-    return kept(compiled_models_folder(), key_of(source, compiler())).has_value();
-}
+bool CompiledLibrary::is_kept(const LibrarySource& source) { return kept(key_of(source)).has_value(); }
 
 CompiledLibrary::CompiledLibrary(const LibrarySource& source) {
-    const std::string program = compiler(), key = key_of(source, program);
-    std::optional<path> library = kept(compiled_models_folder(), key);
+    const std::string key = key_of(source);
+    std::optional<path> library = kept(key);
     if (!library) {
         const Stopwatch clock;
-        library = compile(source, program, key);
+        library = compile(source, compiler(), key);
         seconds_ = clock.wall_s();
     }
     library_ = dlopen(library->c_str(), RTLD_NOW | RTLD_LOCAL);

@@ -114,17 +114,17 @@ std::string named(const std::string& text, const std::string& prefix) {
 /// The structs and functions of a text, over another number.
 class Translator {
 public:
-    Translator(std::string file, const std::vector<Token>& tokens, const Kind& kind)
-        : file_(std::move(file)), tokens_(&tokens), kind_(&kind) {
+    Translator(std::string file, const TextScanner& scanner, const Kind& kind)
+        : file_(std::move(file)), scanner_(&scanner), tokens_(&scanner.tokens()), kind_(&kind) {
         find_declarations();
     }
-    bool has_function(const std::string& name) const { return functions_.contains(name); }
+
     bool has_struct(const std::string& name) const { return structs_.contains(name); }
     /// basis() and all that it calls.
     std::string translated() {
         std::string out = named(kind_->numbers, kind_->prefix) + named(of_vectors, kind_->prefix);
         for (const std::string& name : order_)
-            if (name != "Slope") out += "struct " + prefixed(name) + " {" + members_of(structs_.at(name)) + "};\n";
+            if (name != "Slope") out += "struct " + own(name) + " {" + members_of(structs_.at(name)) + "};\n";
         need("basis", 1);
         for (const std::string& name : function_order_)
             if (bodies_.contains(name)) out += bodies_.at(name);
@@ -141,6 +141,8 @@ private:
         return (*tokens_)[i];
     }
     std::string prefixed(const std::string& name) const { return kind_->prefix + name; }
+    /// Of the text's own structs and functions, apart from those of numbers.
+    std::string own(const std::string& name) const { return kind_->prefix + "own_" + name; }
     [[noreturn]] void unexpected(size_t i) const {
         refuse_text(file_, at(i).line, fmt::format("'{}' is not in the dialect of models here", at(i).text));
     }
@@ -170,6 +172,9 @@ private:
             if (at(i).text == "SHARED_FN") ++i;
             const std::string name = at(i + 1).text;
             if (at(i + 2).text != "(") unexpected(i + 2);
+            if (functions_.contains(name))
+                refuse_text(file_, at(i).line,
+                            fmt::format("two functions named {}, of which no derivatives are made", name));
             functions_[name] = i;
             function_order_.push_back(name);
             i = behind(behind(i + 2, "(", ")"), "{", "}");
@@ -199,16 +204,19 @@ private:
                         fmt::format("{} where derivatives are made: take numbers one by one, or real3", t.text));
         if (!is_type(t)) unexpected(i);
         ++i;
-        return t.text == "int" || t.text == "bool" ? t.text : prefixed(t.text);
+        if (t.text == "int" || t.text == "bool") return t.text;
+        return structs_.contains(t.text) ? own(t.text) : prefixed(t.text);
     }
 
     /// A function is translated when it is first called.
     void need(const std::string& name, int line) {
         if (bodies_.contains(name)) return;
+        if (name == "if" || name == "while")
+            refuse_text(file_, line, fmt::format("'{}' is not in the dialect of models; take SELECT", name));
         if (!functions_.contains(name)) refuse_text(file_, line, fmt::format("no function {}", name));
         if (!under_way_.insert(name).second) refuse_text(file_, line, fmt::format("{} calls itself", name));
         size_t i = functions_.at(name);
-        std::string out = type_at(i) + " " + prefixed(name) + "(";
+        std::string out = type_at(i) + " " + own(name) + "(";
         i += 1;
         expect(i, "(");
         while (at(i).text != ")") {
@@ -248,6 +256,12 @@ private:
             const std::string value = expression(i);
             expect(i, ";");
             return "return " + value + ";\n";
+        }
+        if (t.text == "int") {  // counts: as they are
+            std::string out;
+            for (; at(i).text != ";"; ++i) out += at(i).text + " ";
+            ++i;
+            return out + ";\n";
         }
         if (t.text == "const") return ++i, "const " + statement(i);
         if (t.name() && is_type(t) && at(i + 1).name()) {
@@ -339,13 +353,13 @@ private:
             } else if (std::ranges::find(known, t.text) != std::end(known)) {
                 out = prefixed(t.text) + "(" + arguments(i) + ")";
             } else if (is_type(t)) {
-                out = prefixed(t.text) + "(" + arguments(i) + ")";
+                out = (structs_.contains(t.text) ? own(t.text) : prefixed(t.text)) + "(" + arguments(i) + ")";
             } else {
                 need(t.text, t.line);
-                out = prefixed(t.text) + "(" + arguments(i) + ")";
+                out = own(t.text) + "(" + arguments(i) + ")";
             }
         } else if (t.name() || std::isdigit(uint8_t(t.text[0]))) {
-            out = t.text;
+            out = scanner_->defines(t.text) ? prefixed("number") + "(float(" + t.text + "))" : t.text;
             ++i;
         } else {
             unexpected(i);
@@ -364,6 +378,7 @@ private:
     }
 
     std::string file_;
+    const TextScanner* scanner_;
     const std::vector<Token>* tokens_;
     const Kind* kind_;
     std::map<std::string, size_t> structs_, functions_;  ///< where members, and a function's type, begin
@@ -374,14 +389,14 @@ private:
 
 constexpr const char* of_slope = R"(
 Slope shape_slope(Shape s, Terms t) {
-    slope_Shape p;
+    slope_own_Shape p;
     for (int i = 0; i < SHAPE_COUNT; ++i) {
         p.x[i] = slope_number(s.x[i]);
         p.x[i].d[i] = 1.0;
     }
-    slope_Terms u;
+    slope_own_Terms u;
     for (int k = 0; k < TERM_COUNT; ++k) u.x[k] = slope_number(t.x[k]);
-    slope_real last = slope_basis(p, u).x[BASIS_COUNT - 1];
+    slope_real last = slope_own_basis(p, u).x[BASIS_COUNT - 1];
     Slope g;
     for (int i = 0; i < SHAPE_COUNT; ++i) g.x[i] = last.d[i];
     return g;
@@ -390,11 +405,11 @@ Slope shape_slope(Shape s, Terms t) {
 
 constexpr const char* of_bend = R"(
 vec2 shape_bend(Shape s, Shape d, Terms t) {
-    bend_Shape p;
+    bend_own_Shape p;
     for (int i = 0; i < SHAPE_COUNT; ++i) p.x[i] = bend_real(s.x[i], d.x[i], 0.0);
-    bend_Terms u;
+    bend_own_Terms u;
     for (int k = 0; k < TERM_COUNT; ++k) u.x[k] = bend_number(t.x[k]);
-    bend_real last = bend_basis(p, u).x[BASIS_COUNT - 1];
+    bend_real last = bend_own_basis(p, u).x[BASIS_COUNT - 1];
     return vec2(last.d, last.e);
 }
 )";
@@ -403,17 +418,17 @@ vec2 shape_bend(Shape s, Shape d, Terms t) {
 
 std::string with_derivatives(const std::string& file, const std::string& text,
                              const std::function<std::string(const std::string&)>& read) {
-    const auto has = [&](const char* words) { return text.find(words) != std::string::npos; };
-    if (has("shape_slope(") && has("shape_bend(")) return text;
     TextScanner scanner(file, read);
     scanner.scan(text);
-    if (scanner.value_of("SHAPE_COUNT") == "0") return text;
+    if (scanner.value_of("SHAPE_COUNT") == "0" ||
+        (scanner.has_function("shape_slope") && scanner.has_function("shape_bend")))
+        return text;
     if (const auto& [where, line, what] = scanner.first_unknown(); line > 0) refuse_text(where, line, what);
     if (scanner.value_of("SHAPE_COUNT").empty()) refuse_text(file, 1, "no SHAPE_COUNT is defined");
     std::string out = text;
     const auto add = [&](const Kind& kind, const char* function, const char* made) {
-        Translator translator(file, scanner.tokens(), kind);
-        if (translator.has_function(function)) return;
+        if (scanner.has_function(function)) return;
+        Translator translator(file, scanner, kind);
         if (!translator.has_struct("Slope") && &kind == &slope) out += "struct Slope { float x[SHAPE_COUNT]; };\n";
         out += translator.translated() + made;
     };

@@ -18,7 +18,7 @@ namespace {
 
 struct Added {
     std::mutex mutex;
-    std::map<std::string, std::string> shaders;
+    std::map<std::string, std::function<std::string()>> shaders;
 };
 Added& added() {
     static Added all;
@@ -52,8 +52,8 @@ void append(const std::string& file, const Defines& defines, ShaderText& out) {
         }
         const size_t begin = line.find_first_not_of(" \t");
         if (begin != std::string::npos && line.compare(begin, 8, "#include") == 0) {
-            const size_t open = line.find('"'), close = line.rfind('"');
-            if (open == std::string::npos || close <= open)
+            const size_t open = line.find('"'), close = line.find('"', open == std::string::npos ? open : open + 1);
+            if (open == std::string::npos || close == std::string::npos)
                 throw UserError(fmt::format("{}:{}: #include needs a file in quotes", file, number));
             const std::string name = included_file(line.substr(open + 1, close - open - 1), defines);
             if (std::find(out.files.begin(), out.files.end(), name) == out.files.end()) append(name, defines, out);
@@ -67,10 +67,12 @@ void append(const std::string& file, const Defines& defines, ShaderText& out) {
 }  // namespace
 
 std::string shader_file(const std::string& file) {
+    std::function<std::string()> own;
     {
         const std::scoped_lock lock(added().mutex);
-        if (const auto found = added().shaders.find(file); found != added().shaders.end()) return found->second;
+        if (const auto found = added().shaders.find(file); found != added().shaders.end()) own = found->second;
     }
+    if (own) return own();
     const char* folder = std::getenv("RADIAFIT_SHADERS");
     if (!folder || !*folder) {
         const auto& all = embedded_shaders();
@@ -86,9 +88,9 @@ std::string shader_file(const std::string& file) {
     return text.str();
 }
 
-void add_shader(const std::string& file, const std::string& text) {
+void add_shader(const std::string& file, std::function<std::string()> text) {
     const std::scoped_lock lock(added().mutex);
-    added().shaders[file] = text;
+    added().shaders[file] = std::move(text);
 }
 
 ShaderText expand_shader(const std::string& file, const Defines& defines) {

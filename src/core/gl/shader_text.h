@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,8 +23,8 @@ struct ShaderText {
 };
 /// One file's text. Throws UserError for one that cannot be read.
 std::string shader_file(const std::string& file);
-/// A text more, for as long as the program runs, as "model/mine.glsl".
-void add_shader(const std::string& file, const std::string& text);
+/// A text more, for as long as the program runs, as "model/mine.glsl"; made when it is first asked for.
+void add_shader(const std::string& file, std::function<std::string()> text);
 /// `file` begins with a #version line; `defines` follow it. Throws UserError for a file that cannot be read.
 ShaderText expand_shader(const std::string& file, const Defines& defines = {});
 

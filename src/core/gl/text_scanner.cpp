@@ -36,6 +36,12 @@ std::string without_comments(const std::string& text) {
 
 bool Token::name() const { return std::isalpha(uint8_t(text[0])) || text[0] == '_'; }
 
+bool TextScanner::has_function(const std::string& name) const {
+    for (size_t i = 1; i + 1 < tokens_.size(); ++i)
+        if (tokens_[i].text == name && tokens_[i + 1].text == "(" && tokens_[i - 1].name()) return true;
+    return false;
+}
+
 void refuse_text(const std::string& file, int line, const std::string& what) {
     throw UserError(fmt::format("{}:{}: {}", file, line, what));
 }
@@ -66,8 +72,8 @@ void TextScanner::scan(const std::string& text) {
             define(rest, number);
         else if (directive == "include")
             include(rest, number);
-        else if (unknown_.line == 0)
-            unknown_ = {file_, number, fmt::format("#{} is not in the dialect of models", directive)};
+        else
+            not_in_dialect(number, "#" + directive);
     }
     if (only_cpp > 0) refuse_text(file_, number, "an #ifdef __cplusplus without its #endif");
 }
@@ -95,24 +101,27 @@ void TextScanner::add_tokens(const std::string& line, int number) {
         else if (std::ranges::find(pairs, std::string_view(line).substr(i, 2)) != std::end(pairs))
             end = i + 2;
         else if (std::string_view("+-*/<>=!(){}[];,.").find(c) == std::string_view::npos)
-            refuse_text(file_, number, fmt::format("'{}' is not in the dialect of models", c));
+            not_in_dialect(number, fmt::format("'{}'", c));
         tokens_.push_back({line.substr(i, end - i), number});
         i = end;
     }
 }
 
+void TextScanner::not_in_dialect(int number, const std::string& what) {
+    if (unknown_.line == 0) unknown_ = {file_, number, what + " is not in the dialect of models"};
+}
+
 void TextScanner::define(const std::string& rest, int number) {
     const size_t end = std::min(rest.find_first_of(" \t("), rest.size());
-    if (end < rest.size() && rest[end] == '(')
-        refuse_text(file_, number, "a macro with arguments is not in the dialect of models; write a function");
+    if (end < rest.size() && rest[end] == '(') return not_in_dialect(number, "a macro with arguments");
     std::string value = rest.substr(std::min(rest.find_first_not_of(" \t", end), rest.size()));
     value.erase(value.find_last_not_of(" \t\r") + 1);
     defined_[rest.substr(0, end)] = value;
 }
 
 void TextScanner::include(const std::string& rest, int number) {
-    const size_t open = rest.find('"'), close = rest.rfind('"');
-    if (open == std::string::npos || close <= open) refuse_text(file_, number, "#include needs a file in quotes");
+    const size_t open = rest.find('"'), close = open == std::string::npos ? open : rest.find('"', open + 1);
+    if (close == std::string::npos) refuse_text(file_, number, "#include needs a file in quotes");
     const std::string name = rest.substr(open + 1, close - open - 1);
     if (!included_.insert(name).second) return;
     const std::string file = std::exchange(file_, name);

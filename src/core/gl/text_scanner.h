@@ -28,8 +28,10 @@ public:
 
     const std::vector<Token>& tokens() const { return tokens_; }
     /// Of a definition; empty: there is none.
-    std::string value_of(const std::string& name) const { return defined_.contains(name) ? defined_.at(name) : ""; }
-    /// A directive that is not in the dialect, which says nothing where no derivatives are made.
+    std::string value_of(const std::string& name) const { return defines(name) ? defined_.at(name) : ""; }
+    bool defines(const std::string& name) const { return defined_.contains(name); }
+    bool has_function(const std::string& name) const;
+    /// What is not in the dialect, which says nothing where no derivatives are made.
     struct Unknown {
         std::string file;
         int line = 0;  ///< 0: there is none
@@ -40,6 +42,7 @@ public:
 private:
     void add_tokens(const std::string& line, int number);
     void define(const std::string& rest, int number);
+    void not_in_dialect(int number, const std::string& what);
     void include(const std::string& rest, int number);
 
     std::string file_;

@@ -24,9 +24,9 @@ public:
         shape = Model::shape;
         parameters = Model::parameters;
         independent = Model::independent;
-        coefficient_names.assign(std::begin(Text::coefficient_names), std::end(Text::coefficient_names));
+        for (const char* of : Text::coefficient_names) coefficient_names.emplace_back(of ? of : "");
         if constexpr (Model::shape > 0) {
-            shape_names.assign(std::begin(Text::shape_names), std::end(Text::shape_names));
+            for (const char* of : Text::shape_names) shape_names.emplace_back(of ? of : "");
             for (const auto& start : Text::starts) starts.emplace_back(std::begin(start), std::end(start));
         }
         for (int i = 0; i < parameters; ++i) bounds.push_back(Model::bounds(i));

@@ -109,7 +109,10 @@ FitOption model_option() {
                             fmt::format("{}; default: by the data, in configs lfm", fmt::join(help, "; ")).c_str());
     o.values += ", NAME.glsl";
     o.names_input = true;
-    o.read = [among = o.read](FitRequest& r, const std::string& text) {
+    o.read = [among = o.read, names = o.choices](FitRequest& r, const std::string& text) {
+        const std::string name = std::filesystem::path(text).stem().string();
+        if (is_model_file(text) && std::ranges::count(names, name))
+            throw UserError(fmt::format("{}: there is a model {} in the program already; rename the file", text, name));
         if (is_model_file(text))
             r.model_name = load_model(text).model->name;
         else if (!text_of_model(text).empty())

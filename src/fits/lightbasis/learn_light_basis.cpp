@@ -154,22 +154,33 @@ void add_texels(const Expectation<dynamic, 1>& expectation, const LearnedTexels&
     }
     for (const auto& [from, some] : alike) {
         const Eigen::MatrixXd weights = from->weights.transpose().cast<double>();
-        const Eigen::Index samples = weights.rows(), n = weights.cols();
+        const Eigen::Index samples = weights.rows(), n = weights.cols(), texels_alike = Eigen::Index(some.size());
         const Eigen::MatrixXd seen = weights.transpose() * weights;
-        Eigen::MatrixXd by_prior(3 * samples, 3 * n), covariance(3 * samples, 3 * samples),
-            residuals(3 * samples, Eigen::Index(some.size()));
+        Eigen::MatrixXd residuals(3 * samples, texels_alike);
         for (int c = 0; c < 3; ++c) {
-            const Eigen::Index first = c * samples;
-            by_prior.middleRows(first, samples).noalias() = weights * prior.covariance.middleRows(c * n, n);
             const Eigen::VectorXd of_mean = weights * prior.mean.segment(c * n, n);
-            for (size_t i = 0; i < some.size(); ++i)
-                residuals.col(Eigen::Index(i)).segment(first, samples) =
-                    some[i]->values.col(c).cast<double>() - of_mean;
-            sums.seen.block(c * n, c * n, n, n) += double(some.size()) * seen;
+            for (Eigen::Index i = 0; i < texels_alike; ++i)
+                residuals.col(i).segment(c * samples, samples) =
+                    some[size_t(i)]->values.col(c).cast<double>() - of_mean;
         }
-        for (int c = 0; c < 3; ++c)
-            covariance.middleCols(c * samples, samples).noalias() = by_prior.middleCols(c * n, n) * weights.transpose();
-        expectation.add_by_samples(by_prior, covariance, residuals, sums);
+        if (samples > n) {
+            Eigen::MatrixXd seen_all = Eigen::MatrixXd::Zero(3 * n, 3 * n), right(3 * n, texels_alike);
+            for (int c = 0; c < 3; ++c) {
+                seen_all.block(c * n, c * n, n, n) = seen;
+                right.middleRows(c * n, n).noalias() = weights.transpose() * residuals.middleRows(c * samples, samples);
+            }
+            expectation.add_by_coefficients(seen_all, right, sums);
+        } else {
+            Eigen::MatrixXd by_prior(3 * samples, 3 * n), covariance(3 * samples, 3 * samples);
+            for (int c = 0; c < 3; ++c) {
+                by_prior.middleRows(c * samples, samples).noalias() = weights * prior.covariance.middleRows(c * n, n);
+                sums.seen.block(c * n, c * n, n, n) += double(texels_alike) * seen;
+            }
+            for (int c = 0; c < 3; ++c)
+                covariance.middleCols(c * samples, samples).noalias() =
+                    by_prior.middleCols(c * n, n) * weights.transpose();
+            expectation.add_by_samples(by_prior, covariance, residuals, sums);
+        }
         sums.weight += double(from->directions.size() * some.size());
     }
 }
@@ -256,7 +267,8 @@ LightBasis learn_light_basis(const Dataset& dataset, const Atlas& atlas, const s
     learn_blocks(
         drawn, vague_prior(basis.lamps, kernel, some), options.rounds, journal,
         [&](const Prior& prior, const std::vector<uint32_t>& of) {
-            const Expectation<dynamic, 1> expectation(prior, options.noise);
+            Expectation<dynamic, 1> expectation(prior, options.noise);
+            expectation.find_precision();
             return summed<dynamic, 1>(of, texels_at_once, rows, [&](std::span<const uint32_t> part, Sums& sums) {
                 add_texels(expectation, texels, part, sums);
             });

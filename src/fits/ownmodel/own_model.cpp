@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <sstream>
 
 #include "base/compiled_library.h"
@@ -49,10 +51,39 @@ void check_name(const fs::path& file, const std::string& name) {
             fmt::format("{}: a model is named as its file, by up to 40 letters, digits and _ that begin "
                         "with a letter; rename it",
                         file.string()));
-    for (const TexelModel* model : texel_models())
-        if (model->name == name)
-            throw UserError(
-                fmt::format("{}: there is a model {} in the program already; rename the file", file.string(), name));
+    const auto& texts = embedded_headers();
+    if (std::ranges::any_of(
+            texts, [&](const EmbeddedText& t) { return t.file == fmt::format("shaders/model/{}.glsl", name); }))
+        throw UserError(fmt::format("{}: the program has a text {} itself; rename the file", file.string(), name));
+}
+
+/// Of tables that compilers take as they are.
+void check(const fs::path& file, const TexelModel& m) {
+    const auto refuse = [&](const std::string& what) { throw UserError(fmt::format("{}: {}", file.string(), what)); };
+    std::set<std::string> names = {"shape", "status", "problems", "error_bars"};  // other maps of a fit
+    for (const auto& list : {m.coefficient_names, m.shape_names})
+        for (const std::string& name : list) {
+            const auto plain = [](char c) { return std::isalnum(uint8_t(c)) || c == '_'; };
+            if (name.empty() || !std::ranges::all_of(name, plain))
+                refuse(fmt::format("a coefficient or a number of the shape is named '{}': take letters, digits and _",
+                                   name));
+            if (!names.insert(name).second)
+                refuse(fmt::format("two maps of a fit would be named {}; rename one", name));
+        }
+    for (int i = 0; i < m.parameters; ++i)
+        if (const auto& [lowest, highest] = m.bounds[size_t(i)]; !(lowest < highest))
+            refuse(fmt::format("the bounds of {} are {} and {}: give the lowest and the highest value",
+                               m.parameter_name(i), lowest, highest));
+    for (const auto& start : m.starts)
+        for (size_t i = 0; i < start.size(); ++i)
+            if (const auto& [lowest, highest] = m.bounds[size_t(3 * m.basis) + i];
+                !(start[i] >= lowest && start[i] <= highest))
+                refuse(fmt::format("a start of {} is {}, not within its bounds {} and {}", m.shape_names[i], start[i],
+                                   lowest, highest));
+    if (m.diffuse && (*m.diffuse < 0 || *m.diffuse >= m.basis))
+        refuse(fmt::format("diffuse_coefficient is {}, of {} basis functions", *m.diffuse, m.basis));
+    constexpr int most_shapes = 32;  // loops of OpenGL's compilers are this long where they are unrolled
+    if (m.shape > most_shapes) refuse(fmt::format("SHAPE_COUNT is {}; {} at most", m.shape, most_shapes));
 }
 
 LibrarySource source_of(const std::string& file, const std::string& name, const std::string& text) {
@@ -99,20 +130,25 @@ LoadedModel load(const fs::path& file, const std::string& name, bool trusted) {
             file.string(),
             at_command_line(fmt::format("run `radiafit model {}`", file.parent_path().string()),
                             "load it by its file")));
-    const std::string for_opengl = with_derivatives(file.string(), text, shader_file);
     Loaded& own = loaded().by_name[name];
     try {
         own.library = std::make_unique<CompiledLibrary>(source);
         std::unique_ptr<const TexelModel> model(own.library->find<const TexelModel*()>("radiafit_texel_model")());
+        check(file, *model);
         std::unique_ptr<const TexelSolvers> solvers(
             own.library->find<const TexelSolvers*()>("radiafit_texel_solvers")());
-        own.model = &add_texel_model(std::move(model));
-        add_texel_solvers(*own.model, std::move(solvers));
-        add_shader(fmt::format("model/{}.glsl", name), for_opengl);
+        own.model = model.get();
         own.text = text;
-    } catch (...) {
+        add_shader(fmt::format("model/{}.glsl", name),
+                   [=, from = file.string()] { return with_derivatives(from, text, shader_file); });
+        add_texel_solvers(*own.model, std::move(solvers));
+        add_texel_model(std::move(model));
+    } catch (const std::exception& error) {
+        const bool users = dynamic_cast<const UserError*>(&error);
+        if (own.model) static_cast<void>(own.library.release());  // whose code others have by now
         loaded().by_name.erase(name);
-        throw;
+        if (users) throw;
+        throw SystemError(fmt::format("{}: {}", file.string(), error.what()));
     }
     return {own.model, own.library->seconds()};
 }

@@ -22,6 +22,7 @@
 #include "fitting/fit_options.h"
 #include "fitting/unfinished.h"
 #include "geometry/mesh_part.h"
+#include "ownmodel/own_model.h"
 
 namespace radiafit::fits {
 namespace {
@@ -80,8 +81,8 @@ void check_shard_folder(const fs::path& folder, const std::string& key, const Sh
         throw UserError(fmt::format("{}: {}; choose another folder", folder.string(), why));
     for (const auto& entry : fs::directory_iterator(folder)) {
         const std::string name = entry.path().filename().string();
-        if (name != shard_json_name && !name.starts_with("part-") && !name.starts_with(".") &&
-            !name.ends_with(journal_extension))
+        if (name != shard_json_name && name != model_text_name && !name.starts_with("part-") &&
+            !name.starts_with(".") && !name.ends_with(journal_extension))
             throw UserError(
                 fmt::format("{}: holds '{}', which is no part of a fit; choose another folder", folder.string(), name));
     }
@@ -231,7 +232,11 @@ void fit_shard(const Dataset& dataset, const FitRequest& request, const Shard& s
     const auto parts = parts_of(*whole, shard, needs.parts);
     announce_needs(name_of(shard), needs, folder, force);
     fs::create_directories(folder);
-    const std::vector<std::string> files = solve_parts(*whole, parts, key, folder);
+    std::vector<std::string> files = solve_parts(*whole, parts, key, folder);
+    if (const std::string text = text_of_model(request.model_name); !text.empty()) {
+        write_file(folder / model_text_name, text);
+        files.emplace_back(model_text_name);
+    }
     const Json note = {{"format", shard_format},
                        {"version", shard_version},
                        {"shard", {shard.index, shard.count}},
@@ -258,7 +263,9 @@ ShardNote read_shard(const fs::path& folder) {
         note.dataset = (fs::absolute(folder) / json->at("dataset").get<std::string>()).lexically_normal();
         note.key = json->at("key");
         note.files = json->at("files").get<std::vector<std::string>>();
-        note.request = request_from(parse_json<Json>(note.key).at("options"));
+        const Json options = parse_json<Json>(note.key).at("options");
+        load_model_of_fit(folder, options.at("model").get<std::string>(), true);
+        note.request = request_from(options);
     } catch (const Json::exception&) {
         throw_damaged_shard(folder / shard_json_name);
     }
@@ -296,6 +303,7 @@ FinishedFit merge_shards(const Dataset& dataset, const FitRequest& request, cons
     const EachPart each_part = [&](const auto& look) {
         for (const auto& [index, folder] : have)
             for (const std::string& name : read_shard(folder).files) {
+                if (name == model_text_name) continue;
                 const fs::path file = folder / name;
                 if (!path_exists(file)) throw UserError(file.string() + ": missing; run its shard's command again");
                 look(read_part_result(file, key), file.string());
