@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "base/rng.h"
 
 namespace radiafit {
@@ -40,6 +42,13 @@ TEST(Tune, WithinTheNoiseOfItsViewsTheSmallestWins) {
     // Alike, it is the smaller one; and of two of one size the better.
     EXPECT_EQ(smallest_as_good({tried(400, 4, 1, 0), tried(100, 4, 1, 0)}), 1u);
     EXPECT_EQ(smallest_as_good({tried(100, 12, 0.995, 0.1), tried(100, 12, 1, 0.1, 3), tried(400, 12, 1, 0.1)}), 0u);
+}
+
+TEST(Tune, TwiceTheNumbersForNextToNothingAreNotWorthIt) {
+    // 0.04 dB in every view, beyond all noise: twice the numbers should bring 0.05 dB, of a tenth more any gain counts
+    const double ratio = std::pow(10, -0.004);
+    EXPECT_EQ(smallest_as_good({tried(200, 12, ratio, 0), tried(100, 12, 1, 0)}), 1u);
+    EXPECT_EQ(smallest_as_good({tried(110, 12, ratio, 0), tried(100, 12, 1, 0)}), 0u);
 }
 
 }  // namespace

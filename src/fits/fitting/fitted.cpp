@@ -36,7 +36,13 @@ const FitRecord& Fitted::record() const {
 size_t number_count(const Fitted& f) {
     const auto* of_vertices = std::get_if<FittedLightField>(&f.model);
     if (of_vertices) return of_vertices->fit.parameters.size() / 4 * 3;  // the fourth of each pads
-    return std::visit([](const auto& m) { return m.fit.parameters.size(); }, f.model);
+    return std::visit(
+        [](const auto& m) {
+            size_t count = m.fit.parameters.size();
+            if constexpr (requires { m.fit.basis; }) count += m.fit.basis.numbers.size();
+            return count;
+        },
+        f.model);
 }
 
 std::string description_of(const Fitted& f) {

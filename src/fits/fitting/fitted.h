@@ -82,7 +82,8 @@ struct Fitted {
     const Dataset& dataset() { return data.of(record()); }
 };
 
-/// Numbers that its maps hold: of a light field map three for each texel and term, of others all parameters.
+/// Numbers that it stores: of a light field map three for each texel and term, of others all parameters; of bases that
+/// are learned over the surface, theirs as well.
 size_t number_count(const Fitted& fitted);
 /// "lafortune, 9 parameters in each of 4096 texels"
 std::string description_of(const Fitted& fitted);

@@ -188,6 +188,13 @@ int left_out_every(const Dataset& dataset, const TuneOptions& options) {
 size_t smallest_as_good(const std::vector<TriedSetting>& best_first) {
     constexpr int draws = 2000;
     constexpr double certain = 0.975;
+    constexpr double least_of_twice = 0.05;  // dB that twice the numbers must bring
+    const auto gain = [](const TriedSetting& a, const TriedSetting& b) {
+        double of_a = 0, of_b = 0;
+        for (const ErrorSums& e : a.errors) of_a += e.squared;
+        for (const ErrorSums& e : b.errors) of_b += e.squared;
+        return 10 * std::log10(of_b / of_a);
+    };
     const auto beats = [&](const TriedSetting& a, const TriedSetting& b) {
         Rng rng(1);  // the same draws for all
         const auto views = uint32_t(a.errors.size());
@@ -202,9 +209,14 @@ size_t smallest_as_good(const std::vector<TriedSetting>& best_first) {
         }
         return lower >= certain * draws;
     };
+    const TriedSetting& best = best_first[0];
+    const auto as_good = [&](const TriedSetting& other) {
+        const double doublings = std::log2(double(best.numbers) / double(other.numbers));
+        return gain(best, other) < least_of_twice * doublings || !beats(best, other);
+    };
     size_t out = 0;
     for (size_t i = 1; i < best_first.size(); ++i)
-        if (best_first[i].numbers < best_first[out].numbers && !beats(best_first[0], best_first[i])) out = i;
+        if (best_first[i].numbers < best_first[out].numbers && as_good(best_first[i])) out = i;
     return out;
 }
 

@@ -11,7 +11,7 @@ constexpr Range<int> light_rank{1, 3 * fits::most_reference_lamps};
 namespace radiafit::fits {
 
 struct LightBasisOptions {
-    int rank = 27;        ///< of the basis, so many numbers per texel; at most three for each reference lamp
+    int rank = 54;        ///< of the basis, so many numbers per texel; at most three for each reference lamp
     double noise = 3e-4;  ///< variance of a residual on the curve, white being 1
     int blocks = 1;       ///< of the surface with a separate basis each, about so many
     ValueCurve curve = ValueCurve::srgb;

@@ -57,7 +57,7 @@ inline constexpr int most_reference_lamps = 100;
 
 /// Numbers of each block: [3 lamps][1 + rank]: the mean, then the functions, as columns; rows channel by channel.
 struct LightBasis : BasisBlocks {
-    int rank = 27;
+    int rank = 54;
     float noise = 0;  ///< variance of a residual
     ValueCurve curve = ValueCurve::srgb;
     Vec3f white = Vec3f::Ones();  ///< light of which the curve's 1 is: a white surface's that faces the mean lamp

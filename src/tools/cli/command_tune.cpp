@@ -75,9 +75,10 @@ void print_table(const std::string& name, const Dataset& dataset, const Tuned& t
     const TriedSetting &best = tuned.tried.front(), &chosen = recommended(tuned);
     if (tuned.recommended > 0)
         fmt::print(
-            "{}: {:.2f} dB less than the best, which is within the noise of {} views, with {:.2g} of its numbers\n",
-            command_line_of(chosen.setting), best.psnr - chosen.psnr, best.errors.size(),
-            double(chosen.numbers) / double(best.numbers));
+            "{}: {:.2f} dB less than the best, with {:.2g} of its numbers: within the noise of {} views, or less than "
+            "0.05 dB for twice the numbers\n",
+            command_line_of(chosen.setting), best.psnr - chosen.psnr, double(chosen.numbers) / double(best.numbers),
+            best.errors.size());
     if (!tuned.models_left_out.empty())
         fmt::print("models that do not take all options given: {}\n", fmt::join(tuned.models_left_out, ", "));
     fmt::print("{}\n\n", describe_left_out(tuned, options.seconds));

@@ -101,6 +101,10 @@ const Family light_bases = {
     .resolve_options =
         [](const Given& given, const Dataset& dataset, FitRequest& request) {
             if (!given("--surface-side") && !dataset.has_grid()) request.model.surface_side = reflectance_side(dataset);
+            if (!given("--numbers")) {  // further ones would be 0
+                int& numbers = request.own<LightBasisOptions>().rank;
+                numbers = std::min(numbers, 3 * int(fitted_views(dataset, request).size()));
+            }
             if (!given("--noise")) request.own<ByViewOptions>().noise = LightBasisOptions().noise;
             if (!given("--blocks"))
                 request.own<ByViewOptions>().blocks = light_blocks(*texel_atlas(dataset, request.model.surface_side));
