@@ -41,6 +41,8 @@ for text in ("0\n5", "-6\n5", "6.5\n5", "99999\n5", "six\n5", "nan\n5", "32768\n
 for text in ("nan 2", "inf 2", "1e9 2", "2,2", "1e999 2"):
     bad(lrgb, replace(lrgb, "2 2 2 2 2 2", f"{text} 2 2 2 2"), again)
 bad(lrgb, replace(lrgb, "127 0", "127 1e8"), again)
+for path in (lrgb, rgb):
+    bad(path, replace(path, "2 2 2 2 2 2", "0 0 0 0 0 0"), "each scale is 0", "export it again")
 for line, text in (("0 1 2 3 4 5 6 7 8", "0 1 2 3 4 5 6 7 7"), ("0 1 2 3 4 5 6 7 8", "0 1 2 3 4 5 6 7 9"),
                    ("-1 -1 0", "-1 -1 2"), ("-1 -1 0", "-1 -1 8"), ("-1 -1 0", "-1 -1 9"), ("0 0 5 0", "0 0 -5 0")):  # fmt: skip
     bad(jpeg, replace(jpeg, line, text), again)

@@ -58,8 +58,7 @@ RtiFile read_hsh(const std::filesystem::path& file, std::string_view bytes, cons
     out.kind = fmt::format("HSH of {} terms", terms);
     const size_t count = size_t(terms);
     const std::vector<float> scale = hsh_floats(head, count), bias = hsh_floats(head, count);
-    for (const float value : scale) check_quantization(file, "scale", double(value));
-    for (const float value : bias) check_quantization(file, "bias", double(value));
+    check_quantization(file, scale, bias);
     const size_t pixels = size_t(out.width) * size_t(out.height);
     out.numbers = 3 * count;
     const std::string_view stored = head.bytes(pixels * out.numbers);

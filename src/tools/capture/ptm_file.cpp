@@ -128,8 +128,9 @@ RtiFile read_ptm(const std::filesystem::path& file, std::string_view bytes, cons
     out.width = head.whole("width", 1, int(largest_image_side));
     out.height = head.whole("height", 1, int(largest_image_side));
     std::array<float, ptm_terms> scale{}, bias{};
-    for (float& value : scale) check_quantization(file, "scale", value = float(head.number("scale")));
-    for (float& value : bias) check_quantization(file, "bias", value = float(head.number("bias")));
+    for (float& value : scale) value = float(head.number("scale"));
+    for (float& value : bias) value = float(head.number("bias"));
+    check_quantization(file, scale, bias);
     const auto width = size_t(out.width), height = size_t(out.height), pixels = width * height;
 
     // stored(plane, pixel): a byte; planes: coefficients, then the colour, or coefficients channel by channel

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -16,6 +17,16 @@ void check_quantization(const fs::path& file, const char* what, double value) {
     if (!(std::abs(value) <= most))
         throw UserError(fmt::format("{}: truncated or corrupt (a {} of {:g}); copy it again from where it was made",
                                     file.string(), what, value));
+}
+
+void check_quantization(const fs::path& file, std::span<const float> scale, std::span<const float> bias) {
+    for (const float value : scale) check_quantization(file, "scale", double(value));
+    for (const float value : bias) check_quantization(file, "bias", double(value));
+    if (std::ranges::all_of(scale, [](float value) { return value == 0; }))
+        throw UserError(
+            fmt::format("{}: each scale is 0, as a program writes that fails to set them, so the lamp makes no "
+                        "difference; export it again, or from another program",
+                        file.string()));
 }
 
 RtiFile read_rti(const fs::path& file, const RtiSizeCheck& check) {
