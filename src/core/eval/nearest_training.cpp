@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
-#include <mutex>
 #include <numbers>
 
-#include "base/parallel.h"
-#include "eval/pixel_areas.h"
+#include "eval/seen_by.h"
 
 namespace radiafit {
 namespace {
@@ -26,32 +23,7 @@ Vec3d point_of(const Dataset& dataset, const RasterPixel& pixel) {
 }  // namespace
 
 NearestTraining::NearestTraining(const Dataset& dataset, const ImageStream& stream)
-    : dataset_(&dataset),
-      seen_by_(dataset.has_grid() ? dataset.grid.texel_count() : size_t(dataset.mesh.triangle_count())) {
-    const std::vector<uint32_t> views = dataset.split(false);
-    struct Tools {
-        ImageStream stream;
-        Rasterizer rasterizer = {};
-        TargetImage mask = {};
-    };
-    std::vector<std::unique_ptr<Tools>> tools;
-    tools.resize(size_t(thread_count()));
-    std::mutex adding;
-    parallel_for(views.size(), 1, [&](size_t i, int worker) {
-        auto& tool = tools.at(size_t(worker));
-        if (!tool) tool = std::make_unique<Tools>(stream.another());
-        const View& view = dataset.views[views[i]];
-        if (view.mask_offset) tool->stream.load_mask(views[i], tool->mask);
-        const std::vector<RasterPixel> pixels = seen_pixels(dataset, view, tool->rasterizer);
-        std::vector<bool> seen(seen_by_.size());
-        for (size_t k = 0; k < pixels.size(); ++k)
-            if (pixels[k].triangle != no_triangle && (!view.mask_offset || tool->mask.masked_in(k)))
-                seen[pixels[k].triangle] = true;
-        const std::lock_guard lock(adding);
-        for (size_t t = 0; t < seen.size(); ++t)
-            if (seen[t]) seen_by_[t].push_back(views[i]);
-    });
-}
+    : dataset_(&dataset), seen_by_(views_that_see(dataset, stream, dataset.split(false))) {}
 
 double NearestTraining::angle(const View& view, const RasterPixel& pixel) const {
     const Vec3d point = point_of(*dataset_, pixel);

@@ -1,5 +1,6 @@
 #pragma once
 #include "base/error.h"
+#include "eval/safe_views.h"
 #include "fitting/family.h"
 
 /// What each family answers to the questions of fitting/fitted.h, which has one function for all. A template stands for
@@ -16,8 +17,9 @@ Contestant contestant_of(const FittedLightField& m, const Dataset& dataset);
 Contestant contestant_of(const FittedReflectance& m, const Dataset& dataset);
 Contestant contestant_of(const FittedLightBasis& m, const Dataset& dataset);
 template <class Fit>
-Contestant contestant_of(const FittedByView<Fit>& m, const Dataset&) {
-    return contestant_of(m.fit, *m.atlas);
+Contestant contestant_of(const FittedByView<Fit>& m, const Dataset& dataset) {
+    return safe_contestant_of(dataset, fitted_views(dataset, m.fit), {std::shared_ptr<void>(), m.atlas.get()},
+                              m.fit.surface, contestant_of(m.fit, *m.atlas));
 }
 
 Fitted baseline_of(const FittedLightField& m, const Dataset& dataset);

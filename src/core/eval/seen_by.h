@@ -1,0 +1,14 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "dataset/image_stream.h"
+
+namespace radiafit {
+
+/// [triangles, or a grid's texels] Which of these views show each: one of their pixels has it at its centre, inside the
+/// mask. Ascending. Draws every view once, and reads masks from `stream`, which is the dataset's.
+std::vector<std::vector<uint32_t>> views_that_see(const Dataset& dataset, const ImageStream& stream,
+                                                  const std::vector<uint32_t>& views);
+
+}  // namespace radiafit
