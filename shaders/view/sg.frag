@@ -1,7 +1,7 @@
 #version 300 es
 // A diffuse colour and spherical Gaussians by view direction (shaders/model/sg.glsl). Maps: the diffuse colour, LOBE_COUNT of
 // amplitudes, as many of shapes, what is known.
-// variants: LOBE_COUNT=1,4 MAPS=10 STORED_SRGB=-,1
+// variants: LOBE_COUNT=1,4 MAPS=12 MEAN_MAP=10 VERTEX_ENTRIES=1 STORED_SRGB=-,1
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -13,6 +13,7 @@ precision highp sampler2DArray;
 #include "view/frame.glsl"
 #include "view/site.glsl"
 #include "view/view_frame.glsl"
+#include "view/safe_view.glsl"
 #include "model/sg.glsl"
 uniform float term[BASIS_COUNT];
 
@@ -32,6 +33,6 @@ vec3 model_value(Site site) {
     Basis b = basis(s, t);
     vec3 value = vec3(0.0);
     for (int k = 0; k < BASIS_COUNT; ++k) value += term[k] * b.x[k] * surface_value(k, site);
-    return value;
+    return safe_view(site, value);
 }
 #include "view/texel.glsl"

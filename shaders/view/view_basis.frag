@@ -2,7 +2,7 @@
 // Colours by view direction on a learned basis (src/fits/viewbasis/view_basis.h): y = m . b(v) + sum over k of z_k (u_k . b(v)).
 // Maps: RANK of z, the number of the texel's block of the surface, what is known. Table: of every block's 28 polynomials
 // the entries of m and u, four at a time.
-// variants: RANK=1,10 MAPS=30 STORED_SRGB=-,1
+// variants: RANK=1,10 MAPS=32 MEAN_MAP=12 VERTEX_ENTRIES=1 STORED_SRGB=-,1
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -14,6 +14,7 @@ precision highp sampler2DArray;
 #include "view/frame.glsl"
 #include "view/site.glsl"
 #include "view/view_frame.glsl"
+#include "view/safe_view.glsl"
 #define VIEW_DEGREE 6
 #define VIEW_TERMS 28
 #define ENTRIES ((3 + RANK + 3) / 4)
@@ -46,6 +47,6 @@ vec3 model_value(Site site) {
         }
     vec3 value = term[0] * along[0].xyz;
     for (int k = 0; k < RANK; ++k) value += term[k + 1] * along[(k + 3) / 4][(k + 3) % 4] * surface_value(k, site);
-    return value;
+    return safe_view(site, value);
 }
 #include "view/texel.glsl"

@@ -8,55 +8,13 @@
 #include <numbers>
 
 #include "eval/judge.h"
+#include "square_scene.h"
 #include "temporary_folder.h"
 
 namespace radiafit::testing {
 namespace {
 
-namespace fs = std::filesystem;
-constexpr double degree = std::numbers::pi / 180;
-constexpr int size = 32;
-
-/// Around y, from z.
-Vec3d tilted(double degrees) { return {std::sin(degrees * degree), 0, std::cos(degrees * degree)}; }
-
-struct Shot {
-    Vec3d eye;
-    bool held_out;
-    std::function<bool(int x)> masked_in = [](int) { return true; };
-    std::optional<Vec3d> lamp = {};
-    std::optional<Vec3d> camera_direction = {};
-};
-
-/// A square of two halves in the plane z = 0, each of two triangles, which fills the pictures nearly; bytes of 128.
-/// Halves: x below 0 are triangles 0 and 1.
-Dataset write_square(const fs::path& folder, const std::vector<Shot>& shots, bool grid = false) {
-    Dataset header;
-    header.name = "square";
-    if (grid)
-        header.grid = Grid::centered(size, size, 0.1);
-    else {
-        header.mesh.positions = {{-1, -1, 0}, {0, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {0, 1, 0}, {1, 1, 0}};
-        header.mesh.triangles = {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}};
-    }
-    DatasetWriter writer(folder);
-    int count = 0;
-    for (const Shot& shot : shots) {
-        View view;
-        view.name = "view" + std::to_string(count++);
-        view.camera.width = view.camera.height = size;
-        if (!shot.camera_direction)
-            view.camera = Camera::look_at(shot.eye, Vec3d::Zero(), Vec3d::UnitY(), 2.1 / shot.eye.norm(), size, size);
-        view.camera_direction = shot.camera_direction;
-        if (shot.lamp) view.light = Light{Light::Kind::distant, *shot.lamp, Vec3d::Ones()};
-        view.held_out = shot.held_out;
-        std::vector<uint8_t> mask;
-        for (int i = 0; i < size * size; ++i) mask.push_back(shot.masked_in(i % size));
-        writer.add(view, std::vector<uint8_t>(3 * size * size, 128).data(), mask);
-    }
-    writer.finish(header);
-    return open_dataset(folder);
-}
+constexpr int size = square_size;
 
 /// 26 dB off the left half, 20 dB off the right one (of what is known to be 128 / 255).
 const Contestant two_halves{[](const View&, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int) {

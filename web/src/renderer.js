@@ -80,6 +80,7 @@ export class Renderer {
         value("clip_from_world", new THREE.Matrix4());
         value("enhancement", new THREE.Vector3(1, 0, 1));
         value("share", 1);
+        value("bounded", 1);
         value("shown", 0);
         value("most_shown", 1);
         value("texels", this.texels.texture);
@@ -107,7 +108,7 @@ export class Renderer {
             this.texel_scene = scene_of(geometry, this.pass("texels", "texel", { side: THREE.DoubleSide }));
             this.surface = scene_of(geometry, this.pass("mesh", "pixel", depth));
             if (page.shaders.vertices) {
-                const entries = tables.vertex_count * page.model.terms.length;
+                const entries = tables.vertex_count * page.model.vertex_entries;
                 this.vertex_values.setSize(table_columns, Math.ceil(entries / table_columns));
                 this.vertex_scene = scene_of(this.whole, this.pass("whole", "vertices", {}));
             }
@@ -161,6 +162,7 @@ export class Renderer {
         u.share.value = share;
         u.enhancement.value.set(...enhancement);
         u.term.value = terms;
+        u.bounded.value = terms.every((t) => t === 1) ? 1 : 0;
         u.shown.value = shown;
         u.most_shown.value = most_shown;
         const meaning = JSON.stringify([terms, shown, most_shown]);

@@ -18,7 +18,8 @@ std::vector<std::vector<uint32_t>> views_that_see(const Dataset& dataset, const 
         Rasterizer rasterizer = {};
         TargetImage mask = {};
     };
-    std::vector<std::unique_ptr<Tools>> tools(size_t(thread_count()));
+    std::vector<std::unique_ptr<Tools>> tools;
+    tools.resize(size_t(thread_count()));
     std::mutex adding;
     parallel_for(views.size(), 1, [&](size_t i, int worker) {
         auto& tool = tools.at(size_t(worker));

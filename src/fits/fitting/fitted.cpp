@@ -50,7 +50,13 @@ std::string description_of(const Fitted& f) {
 }
 
 Contestant contestant_of(Fitted& f) {
-    return std::visit([&](const auto& m) { return contestant_of(m, f.dataset()); }, f.model);
+    Contestant out = std::visit([&](const auto& m) { return contestant_of(m, f.dataset()); }, f.model);
+    if (auto bounds = safe_views_of(f)) out = safe_contestant_of(std::move(bounds), std::move(out));
+    return out;
+}
+
+std::shared_ptr<const SafeViews> safe_views_of(Fitted& f) {
+    return std::visit([&](const auto& m) { return safe_views_of(m, f.dataset()); }, f.model);
 }
 
 Fitted baseline_of(Fitted& f) {

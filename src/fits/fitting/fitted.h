@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "eval/judge.h"
+#include "eval/safe_views.h"
 #include "fit/fit_folder.h"
 #include "fitting/fit_array.h"
 #include "fitting/problem_folder.h"
@@ -87,7 +88,10 @@ struct Fitted {
 size_t number_count(const Fitted& fitted);
 /// "lafortune, 9 parameters in each of 4096 texels"
 std::string description_of(const Fitted& fitted);
-/// For the judge and for renders; `fitted` must outlive it, and stay where it is.
+/// What a fit of colours by view direction is bounded by off its photographs; null for others. `fitted` must outlive
+/// it, and stay where it is.
+std::shared_ptr<const SafeViews> safe_views_of(Fitted& fitted);
+/// For the judge and for renders, bounded by that; `fitted` must outlive it, and stay where it is.
 Contestant contestant_of(Fitted& fitted);
 /// The trivial baseline, of the views, sides, space and samples that this fit used. The dataset must outlive it.
 Fitted baseline_of(Fitted& fitted);

@@ -26,8 +26,8 @@ struct Judgement {
     const char* baseline_name = nullptr;  ///< null: there is none
     std::vector<MaterialErrors> truth;
     std::vector<JudgedBeside> beside;
-    std::string far =
-        {};  ///< what is shown of the fit farthest from the images that were fitted, where not all of it is
+    int guesses = 0;       ///< images so far from those that were fitted
+    std::string far = {};  ///< what is shown of the fit farthest from these, if any
 };
 
 /// Models that are made of all training photographs (reachable/reachable.h), by name. Throws UserError.
@@ -68,8 +68,11 @@ Judgement judge_fit(const std::string& folder, const std::string& moved_to, Spli
                      std::move(errors),
                      {}};
     double least_share = 1;
-    for (const ImageFigures& image : out.fit.images) least_share = std::min(least_share, image.share_of_fit);
-    if (least_share < 1) out.far = share_in_words(fit, least_share);
+    for (const ImageFigures& image : out.fit.images) {
+        least_share = std::min(least_share, image.share_of_fit);
+        out.guesses += is_guess(fit, image.share_of_fit);
+    }
+    if (out.guesses > 0) out.far = share_in_words(fit, least_share);
     for (const ReachableModel* other : others)
         out.beside.push_back(
             {other->name, other->words,
@@ -142,8 +145,7 @@ void print_judgement(const Judgement& j) {
     if (j.fit.missing_share() >= 0.001)
         fmt::print("  the mesh lacks {:.1f} % of the masks' pixels; with these, black in a render: {}\n",
                    100 * j.fit.missing_share(), text_of(j.fit.with_missing()));
-    const auto faded = std::ranges::count_if(j.fit.images, [](const ImageFigures& i) { return i.share_of_fit < 1; });
-    if (faded > 0) fmt::print("  {} of them far from what was fitted; farthest out: {}\n", faded, j.far);
+    if (!j.far.empty()) fmt::print("  {} of them far from what was fitted; farthest out: {}\n", j.guesses, j.far);
     if (const auto outliers = outlying_images(j.fit); !outliers.empty())
         fmt::print(
             "  look at {}: the fit misses {} by far more than the others; fit --leave-out-outliers fits without\n",

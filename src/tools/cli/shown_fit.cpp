@@ -42,18 +42,31 @@ void require_lamps(const Fitted& fitted, const char* option) {
                         option, description_of(fitted)));
 }
 
+bool is_guess(const Fitted& fitted, double share) {
+    constexpr double least = 0.8;  // in the mean over a surface, of which some is always seen from the side
+    return share < (takes_light(fitted) ? 1 : least);
+}
+
 std::string share_in_words(const Fitted& fitted, double share) {
     const auto* basis = std::get_if<FittedLightBasis>(&fitted.model);
     if (basis && !basis->fit.underneath)
         return basis->fit.basis.by_half() ? "shown as under the nearest lamp and to the nearest camera that were "
                                             "fitted, darkened by the cosine"
                                           : "shown as under the nearest lamp that was fitted, darkened by the cosine";
+    if (!takes_light(fitted))
+        return fmt::format(
+            "{:.0f} % of the fit is shown, the rest is each texel's mean colour; the fit fades from {:.0f} to "
+            "{:.0f} degrees from the nearest photograph of a place",
+            100 * share, SafeViews::apart / SafeViews::degree,
+            (SafeViews::apart + SafeViews::fade) / SafeViews::degree);
     return fmt::format("{:.0f} % of the fit is shown, the rest is Lambertian", 100 * share);
 }
 
 void describe_share(const Fitted& fitted, double share) {
-    if (share < 1)
-        log_warning("lamp or camera are far from those of the training images: " + share_in_words(fitted, share));
+    if (!is_guess(fitted, share)) return;
+    const std::string what = takes_light(fitted) ? "lamp or camera are far from those of the training images: "
+                                                 : "the camera is far from those of the photographs: ";
+    log_warning(what + share_in_words(fitted, share));
 }
 
 }  // namespace radiafit::tools

@@ -11,9 +11,11 @@ Contestant shown_fit(const RenderOptions& options, Fitted& fitted);
 /// Throws UserError for a fit that keeps its light. option: "--light".
 void require_lamps(const Fitted& fitted, const char* option);
 
-/// What views show that lie so far from the images that were fitted that this share of the fit, below 1, is left.
+/// Whether views with this share of the fit lie so far from the images that were fitted that they are a guess.
+bool is_guess(const Fitted& fitted, double share);
+/// What such views show.
 std::string share_in_words(const Fitted& fitted, double share);
-/// Warns of it, where it is below 1.
+/// Warns of it.
 void describe_share(const Fitted& fitted, double share);
 
 }  // namespace radiafit::tools

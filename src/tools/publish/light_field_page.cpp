@@ -55,7 +55,7 @@ PageModel page_model_of(const LightFieldFit& fit, const Mesh& mesh) {
     const auto layout = std::make_shared<const Layout>(mesh, fit.options);
     const int terms = fit.options.terms;
     const LightFieldFit seen = without_unseen(fit, layout->maps);
-    PageModel page{.shader = "lfm", .vertex_shader = "lfm_vertices"};
+    PageModel page{.shader = "lfm", .vertex_shader = "lfm_vertices", .vertex_entries = terms + 1};
     page.maps.resize(size_t(4 * terms));
     for_each_map(terms, [&](size_t map, bool surface, int k, int c) {
         page.maps[map].name = surface ? fmt::format("surface{}{}", k, c) : fmt::format("view{}", k);

@@ -49,6 +49,7 @@ struct ShownMaps {
 struct PageModel {
     std::string shader = {};         ///< shaders/view/SHADER.frag
     std::string vertex_shader = {};  ///< its values at vertices, SHADER.frag; empty: none
+    int vertex_entries = 0;          ///< of each vertex's values
     std::vector<std::pair<std::string, std::string>> defines = {};  ///< of both
     std::vector<PageMap> maps = {};                                 ///< in the order in which the shader numbers them
     std::vector<PageTable> tables = {};

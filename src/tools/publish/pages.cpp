@@ -23,6 +23,10 @@ std::vector<float> numbers_of(std::span<const Vec3f> normals) {
 
 }  // namespace
 
+bool shows_stored_srgb(const Dataset& dataset, TargetSpace space) {
+    return space == TargetSpace::stored && dataset.encoding == Encoding::u8_srgb;
+}
+
 bool has_normal_map(const Dataset& dataset) {
     return dataset.has_grid() ? !dataset.grid.texel_normals.empty() : dataset.normal_map.side > 0;
 }
@@ -93,9 +97,62 @@ PageMap block_map(const BasisBlocks& blocks, const Atlas& atlas) {
     return map;
 }
 
+namespace {
+
+std::vector<TexelMap> maps_of_view_bounds() { return {{"mean", map_channels(), 0}, {"reach", map_channels(), 3}}; }
+
+/// Bounds of each texel as maps; of vertices, which photographs show them.
+void add_view_bounds(PageModel& page, const Dataset& dataset, const std::vector<uint32_t>& training,
+                     std::shared_ptr<const SafeViews> bounds) {
+    std::vector<float> numbers;
+    for (const SafeViews::Bounds& b : bounds->all_bounds()) {
+        numbers.insert(numbers.end(), b.mean.begin(), b.mean.end());
+        numbers.insert(numbers.end(), b.reach.begin(), b.reach.end());
+    }
+    page.defines.emplace_back("MEAN_MAP", std::to_string(page.maps.size()));
+    // Coarse, as they count off the photographs alone, and would take a third of a page.
+    constexpr float mean_step = 4.0f / 255, reach_step = 16.0f / 255;
+    for (PageMap& map : parameter_maps(maps_of_view_bounds(), numbers, *page.atlas)) {
+        const float step = map.name.starts_with("mean") ? mean_step : reach_step;
+        map.root = !shows_stored_srgb(dataset, bounds->space());
+        map.fixed_step = {step, step, step};
+        page.maps.push_back(std::move(map));
+    }
+    constexpr size_t bits = 24;  // of a number, so that floats hold it; four to an entry
+    const size_t entries = (training.size() + 4 * bits - 1) / (4 * bits);
+    PageTable cameras{"photographs", {}}, seen{"seen_from", {}};
+    std::vector<size_t> place(dataset.views.size(), 0);
+    for (size_t i = 0; i < training.size(); ++i) {
+        place[training[i]] = i;
+        const Vec3f eye = dataset.views[training[i]].camera.center().cast<float>();
+        cameras.entries.insert(cameras.entries.end(), {eye.x(), eye.y(), eye.z(), 0});
+    }
+    for (const std::vector<uint32_t>& views : bounds->views_of_vertices()) {
+        std::vector<uint32_t> numbers_of_bits(4 * entries, 0);
+        for (const uint32_t v : views) numbers_of_bits[place[v] / bits] |= 1u << (place[v] % bits);
+        seen.entries.insert(seen.entries.end(), numbers_of_bits.begin(), numbers_of_bits.end());
+    }
+    page.tables.push_back(std::move(cameras));
+    page.tables.push_back(std::move(seen));
+    page.defines.emplace_back("SEEN_ENTRIES", std::to_string(entries));
+    page.whole_uniforms.emplace_back("photograph_count", int(training.size()));
+    page.uniforms.push_back({"apart", {float(SafeViews::apart)}});
+    page.uniforms.push_back({"fade", {float(SafeViews::fade)}});
+    page.uniforms.push_back({"bound_from", {float(SafeViews::bound_from)}});
+    page.uniforms.push_back({"bound_within", {float(SafeViews::bound_within)}});
+    page.uniforms.push_back({"most", {SafeViews::most}});
+    page.shown = [shown = std::move(page.shown), bounds](const std::vector<PageMap>& decoded) {
+        ShownMaps out = shown(decoded);
+        out.contestant = safe_contestant_of(bounds, std::move(out.contestant));
+        return out;
+    };
+}
+
+}  // namespace
+
 PageModel page_model_of(Fitted& fitted) {
     const Dataset& dataset = fitted.dataset();
-    return std::visit(
+    PageModel page = std::visit(
         [&](const auto& m) {
             if constexpr (requires { page_model_of(m.fit, dataset.mesh); })
                 return page_model_of(m.fit, dataset.mesh);
@@ -105,6 +162,9 @@ PageModel page_model_of(Fitted& fitted) {
                 return page_model_of(m.fit, *m.atlas, dataset, fitted_views(dataset, m.fit));
         },
         fitted.model);
+    if (auto bounds = safe_views_of(fitted))
+        add_view_bounds(page, dataset, fitted_views(dataset, fitted.record()), std::move(bounds));
+    return page;
 }
 
 }  // namespace radiafit::tools

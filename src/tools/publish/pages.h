@@ -15,6 +15,8 @@ PageModel page_model_of(const ViewBasisFit& fit, const TriangleAtlas& atlas);
 PageModel page_model_of(const SgFit& fit, const TriangleAtlas& atlas);
 PageModel page_model_of(const LightBasisFit& fit, const Atlas& atlas, const Dataset& dataset,
                         const std::vector<uint32_t>& training);
+/// Whether a page's texels have sRGB's values, of a fit in this space; else they are linear.
+bool shows_stored_srgb(const Dataset& dataset, TargetSpace space);
 /// What bounds a texel-local model that is shown safely: albedo, brightest; and the way back from these two, decoded.
 std::vector<PageMap> bound_maps(const std::vector<SafeRelighting::Bounds>& bounds, const Atlas& atlas);
 std::vector<SafeRelighting::Bounds> bounds_of(const PageMap* decoded, const Atlas& atlas);

@@ -17,6 +17,7 @@
 #include "gl/program.h"
 #include "image/web/webp_image.h"
 #include "publish/choices.h"
+#include "publish/pages.h"
 #include "viewbasis/texel_views.h"
 
 namespace radiafit::tools {
@@ -119,8 +120,8 @@ std::string shaders_json(const Published& fit) {
     Defines defines = fit.model.defines;
     defines.emplace_back("MAPS", std::to_string(fit.model.maps.size()));
     if (fit.dataset.has_grid()) defines.emplace_back("GRID", "1");
-    if (fit.fit.space == TargetSpace::stored && fit.dataset.encoding == Encoding::u8_srgb)
-        defines.emplace_back("STORED_SRGB", "1");
+    if (shows_stored_srgb(fit.dataset, fit.fit.space)) defines.emplace_back("STORED_SRGB", "1");
+    if (fit.model.vertex_entries > 0) defines.emplace_back("VERTEX_ENTRIES", std::to_string(fit.model.vertex_entries));
     const auto text = [&](const std::string& file, const Defines& with) {
         return expand_shader("view/" + file, with).text;
     };
@@ -210,6 +211,7 @@ std::string model_json(const Published& fit, Page& page) {
                           {"fades", fit.model.fades},
                           {"enhancement", fit.takes_light ? enhancement_json() : Json()},
                           {"terms", fit.model.terms},
+                          {"vertex_entries", fit.model.vertex_entries},
                           {"tables", tables},
                           {"uniforms", uniforms},
                           {"whole_uniforms", whole},

@@ -7,7 +7,7 @@ namespace radiafit::tools {
 
 PageModel page_model_of(const SgFit& fit, const TriangleAtlas& atlas) {
     const std::vector<TexelMap> maps = sg_maps(fit.lobes);
-    PageModel page{.shader = "sg"};
+    PageModel page{.shader = "sg", .vertex_shader = "vertex_angles", .vertex_entries = 1};
     page.maps = parameter_maps(maps, fit.parameters, atlas);
     page.maps.push_back(knowledge_map(fit, atlas));
     page.defines = {{"LOBE_COUNT", std::to_string(fit.lobes)}};

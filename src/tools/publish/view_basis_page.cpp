@@ -22,7 +22,7 @@ PageTable table_of(const ViewBasis& basis) {
 
 PageModel page_model_of(const ViewBasisFit& fit, const TriangleAtlas& atlas) {
     const std::vector<TexelMap> maps = maps_of(fit.basis);
-    PageModel page{.shader = "view_basis"};
+    PageModel page{.shader = "view_basis", .vertex_shader = "vertex_angles", .vertex_entries = 1};
     page.maps = parameter_maps(maps, fit.parameters, atlas);
     page.maps.push_back(block_map(fit.basis, atlas));
     page.maps.push_back(knowledge_map(fit, atlas));

@@ -48,16 +48,20 @@ std::string description_of(const FittedLightField& m) {
 
 Contestant contestant_of(const FittedLightField& m, const Dataset& dataset) {
     Contestant out = contestant_of(m.fit, dataset.mesh);
-    if (facts_of(fitted_request(m.fit)).has_view_maps())
-        out = safe_contestant_of(dataset, fitted_views(dataset, m.fit),
-                                 std::make_shared<const TriangleAtlas>(surface_atlas(dataset.mesh, m.fit.options)),
-                                 m.fit.surface, std::move(out));
     if (m.error_bars)
         out.error_bars = [error_bars = m.error_bars](const View& view, const auto& pixels,
                                                      std::vector<ErrorBar>& bars) {
             error_bars->at(view, pixels, bars);
         };
     return out;
+}
+
+std::shared_ptr<const SafeViews> safe_views_of(const FittedLightField& m, const Dataset& dataset) {
+    if (!facts_of(fitted_request(m.fit)).has_view_maps()) return nullptr;
+    return std::make_shared<const SafeViews>(
+        dataset, fitted_views(dataset, m.fit),
+        std::make_shared<const TriangleAtlas>(surface_atlas(dataset.mesh, m.fit.options)), m.fit.surface,
+        contestant_of(m.fit, dataset.mesh));
 }
 
 void find_error_bars(FittedLightField& m, const Dataset& dataset, std::span<const View> shown) {

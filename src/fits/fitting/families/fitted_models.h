@@ -1,6 +1,5 @@
 #pragma once
 #include "base/error.h"
-#include "eval/safe_views.h"
 #include "fitting/family.h"
 
 /// What each family answers to the questions of fitting/fitted.h, which has one function for all. A template stands for
@@ -17,9 +16,20 @@ Contestant contestant_of(const FittedLightField& m, const Dataset& dataset);
 Contestant contestant_of(const FittedReflectance& m, const Dataset& dataset);
 Contestant contestant_of(const FittedLightBasis& m, const Dataset& dataset);
 template <class Fit>
-Contestant contestant_of(const FittedByView<Fit>& m, const Dataset& dataset) {
-    return safe_contestant_of(dataset, fitted_views(dataset, m.fit), {std::shared_ptr<void>(), m.atlas.get()},
-                              m.fit.surface, contestant_of(m.fit, *m.atlas));
+Contestant contestant_of(const FittedByView<Fit>& m, const Dataset&) {
+    return contestant_of(m.fit, *m.atlas);
+}
+
+template <class Model>
+std::shared_ptr<const SafeViews> safe_views_of(const Model&, const Dataset&) {
+    return nullptr;
+}
+std::shared_ptr<const SafeViews> safe_views_of(const FittedLightField& m, const Dataset& dataset);
+template <class Fit>
+std::shared_ptr<const SafeViews> safe_views_of(const FittedByView<Fit>& m, const Dataset& dataset) {
+    const std::shared_ptr<const TriangleAtlas> not_owned(std::shared_ptr<void>(), m.atlas.get());
+    return std::make_shared<const SafeViews>(dataset, fitted_views(dataset, m.fit), not_owned, m.fit.surface,
+                                             contestant_of(m.fit, *m.atlas));
 }
 
 Fitted baseline_of(const FittedLightField& m, const Dataset& dataset);
