@@ -61,11 +61,15 @@ void resize_problems(FitRecord& fit, size_t problems) {
     fit.error.resize(problems);
 }
 
-// Calls body(pixel, texel) for every texel of an atlas, on all cores.
+// Calls body(pixel, texel) for every texel of an atlas that has a place, on all cores. (Of tiles of several sides,
+// numbers beyond a small tile's texels have none.)
 template <class Body>
 void for_each_texel(const Atlas& atlas, const Body& body) {
     constexpr size_t grain = 1 << 14;
+    const auto* tiles = dynamic_cast<const TriangleAtlas*>(&atlas);
     parallel_for(atlas.texel_count(), grain, [&](size_t texel, int) {
+        const size_t each = atlas.texels_per_tile();
+        if (tiles && texel % each >= TriangleTile::texels_of(tiles->side(uint32_t(texel / each)))) return;
         const auto [x, y] = atlas.place(uint32_t(texel));
         body(size_t(y) * size_t(atlas.width()) + size_t(x), texel);
     });
