@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <numbers>
+#include <string_view>
 
 #include "base/choose.h"
 #include "base/error.h"
@@ -15,6 +17,7 @@
 #include "eval/outliers.h"
 #include "fitting/family.h"
 #include "fitting/limits.h"
+#include "fitting/off_photographs.h"
 #include "reachable/reachable.h"
 
 namespace radiafit::tools {
@@ -78,6 +81,40 @@ Judgement judge_fit(const std::string& folder, const std::string& moved_to, Spli
             {other->name, other->words,
              judge(other->of(judged, judged.split(false), fit.record().space), judged, split, options)});
     return out;
+}
+
+/// Of the fit's own options, on views far from those that are fitted.
+std::vector<OffPhotographs> judge_off(const std::string& folder, const std::string& moved_to,
+                                      std::optional<int> pixel_points) {
+    Fitted fit = open_fit(folder, moved_to);
+    return judge_off_photographs(fit.dataset(), fitted_request(fit.record()), pixel_points.value_or(as_photographed),
+                                 [](const OffPhotographs& off) {
+                                     log_info(
+                                         fmt::format("fitted without views within {:.0f} degrees of {} others: "
+                                                     "{:.2f} dB there",
+                                                     off.degrees, off.views, off.fit.psnr()));
+                                 });
+}
+
+void print_off(const std::vector<OffPhotographs>& all, const char* baseline) {
+    fmt::print("  degrees from all fitted views  views  fitted  PSNR, dB  {}, dB  worst view against that, dB\n",
+               baseline);
+    for (const OffPhotographs& off : all)
+        fmt::print("  {:>29.0f}  {:5}  {:6}  {:8.2f}  {:{}.2f}  {:27.2f}\n", off.degrees, off.views, off.fitted,
+                   off.fit.psnr(), off.baseline.psnr(), std::string_view(baseline).size() + 4, off.worst);
+}
+
+std::string json_with(const std::string& json, const std::vector<OffPhotographs>& all) {
+    if (all.empty()) return json;
+    nlohmann::ordered_json out = nlohmann::ordered_json::parse(json);
+    for (const OffPhotographs& off : all)
+        out["off_photographs"].push_back({{"degrees", off.degrees},
+                                          {"views", off.views},
+                                          {"fitted", off.fitted},
+                                          {"psnr", off.fit.psnr()},
+                                          {"baseline_psnr", off.baseline.psnr()},
+                                          {"worst", off.worst}});
+    return out.dump();
 }
 
 /// Of pictures that another program rendered of the dataset's views.
@@ -201,7 +238,7 @@ void add_judge(CommandLine& program) {
         std::string fit, renders, split = "test", dataset;
         std::optional<int> pixel_points;
         std::vector<std::string> beside;
-        bool per_image = false, error_bars = false, json = false;
+        bool per_image = false, error_bars = false, off_photographs = false, json = false;
     };
     auto o = std::make_shared<Options>();
     CommandLine& command = program.add_command("judge", "APE and PSNR of a fit, beside those of the trivial baseline");
@@ -221,6 +258,8 @@ void add_judge(CommandLine& program) {
         "--covariance", o->error_bars,
         "how far noise moves the fit (of lfm, of a model under lamps), whether the errors agree, and where "
         "its colours can't be trusted");
+    command.add_flag("--off-photographs", o->off_photographs,
+                     "fits again, thrice, without the views within 15, 25 and 35 degrees of some, and judges these");
     command.add_flag("--per-image", o->per_image, "a table of the images as well, worst first");
     add_json(command, o->json);
     command.on_run([=] {
@@ -230,10 +269,10 @@ void add_judge(CommandLine& program) {
         if (!o->renders.empty()) {
             if (!o->fit.empty() || o->dataset.empty())
                 throw UserError("--renders judges pictures of a dataset: give --dataset, and no fit");
-            if (o->pixel_points || o->error_bars || !others.empty())
+            if (o->pixel_points || o->error_bars || o->off_photographs || !others.empty())
                 throw UserError(
                     "--renders: pictures have one value a pixel and nothing more to say; leave out "
-                    "--pixel-points, --covariance and --beside");
+                    "--pixel-points, --covariance, --off-photographs and --beside");
             Judgement j;
             j.fit = judge_pictures(o->renders, o->dataset, split);
             if (o->json)
@@ -244,11 +283,14 @@ void add_judge(CommandLine& program) {
             return;
         }
         if (o->fit.empty()) throw UserError("fit is required, or --renders and --dataset");
+        std::vector<OffPhotographs> off;
+        if (o->off_photographs) off = judge_off(o->fit, o->dataset, o->pixel_points);
         const Judgement j = judge_fit(o->fit, o->dataset, split, o->pixel_points, o->error_bars, others);
         if (o->json)
-            fmt::print("{}\n", judge_json(j.fit, &j.baseline, j.truth, j.beside));
+            fmt::print("{}\n", json_with(judge_json(j.fit, &j.baseline, j.truth, j.beside), off));
         else
             print_judgement(j);
+        if (!off.empty() && !o->json) print_off(off, j.baseline_name);
         if (o->per_image && !o->json) print_images(j.fit.images);
     });
 }
