@@ -191,6 +191,19 @@ class Render(ProgramTest):
         self.refused("render", "flat-fit", "--turntable", "2", "--light", "0,0,1", "-o", "no", says=["--light", "--turntable"])
         self.refused("render", "flat-fit", "--size", "9x9", "-o", "no", says=["--size", "a pixel per texel"])
 
+    def test_far_from_the_photographs(self):
+        """Fits without the views around some, judged on these; what the fit left out stays out."""
+        training = [view["name"] for view in self.views("star") if not view["held_out"]]
+        self.good("fit", "star", "--model", "viewbasis", "--rank", "2", "--leave-out", training[0], "-o", "far-fit")
+        far = json.loads(self.good("judge", "far-fit", "--off-photographs", "--json").stdout)["off_photographs"]
+        self.assertTrue(far)
+        for row in far:
+            self.assertIn(row["degrees"], (15, 25, 35))
+            self.assertLess(row["views"] + row["fitted"], len(training))
+            self.assertGreaterEqual(2 * row["fitted"], len(training) - 1)
+            self.assertGreater(row["psnr"], 10)
+        self.assertIn("degrees from all fitted views", self.good("judge", "far-fit", "--off-photographs").stdout)
+        self.refused("judge", "--renders", "named", "--dataset", "star", "--off-photographs", says=["leave out"])
 
     def test_judging_pictures(self):
         """Our own pictures have the fit's own score; other programs' are taken by name, size and encoding, or refused."""

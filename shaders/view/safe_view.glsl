@@ -1,6 +1,6 @@
 // A fit of colours by view direction within what bounds it off its photographs (src/core/eval/safe_views.h). Maps: from MEAN_MAP
 // on, a texel's mean colour over its photographs and how far it reaches from there, both as roots where values are linear. The
-// last of a vertex's VERTEX_ENTRIES numbers is its angle to the nearest photograph.
+// last of a vertex's VERTEX_ENTRIES numbers is its angle to the nearest photograph, less where these are far apart.
 // Without MEAN_MAP there are no bounds.
 uniform sampler2D vertex_values;
 #ifdef MEAN_MAP
@@ -24,7 +24,8 @@ vec3 safe_view(Site site, vec3 colour) {
     vec3 within = max(min(colour, mean + reach), mean - reach);
     float held = min(1.0, (angle - bound_from) / bound_within);
     float share = clamp(1.0 - (angle - apart) / fade, 0.0, 1.0);
-    return share * mix(colour, within, held) + (1.0 - share) * mean;
+    vec3 fitted = held < 1.0 ? mix(colour, within, held) : within;
+    return share > 0.0 ? mix(mean, fitted, share) : mean;
 }
 #else
 vec3 safe_view(Site site, vec3 colour) { return colour; }

@@ -1,4 +1,7 @@
 // Files of RTI by other programs: .ptm, .rti, relight's info.json.
+#include <array>
+#include <cstring>
+
 #include "base/error.h"
 #include "capture/rti_file.h"
 #include "picture_bytes.h"
@@ -24,7 +27,9 @@ std::vector<std::string> ptm_files(const fs::path&) {
 }
 
 std::vector<std::string> hsh_files(const fs::path&) {
-    const std::string floats(2 * 4 * sizeof(float), '\0');
+    const std::array<float, 8> scale_and_bias = {1, 1, 1, 1, 0, 0, 0, 0};
+    std::string floats(sizeof scale_and_bias, '\0');
+    std::memcpy(floats.data(), scale_and_bias.data(), sizeof scale_and_bias);
     return {"#HSH1.2\r\n3\r\n2 2 3\r\n4 2 1\r\n" + floats + std::string(48, 'x')};
 }
 

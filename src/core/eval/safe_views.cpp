@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 
@@ -19,13 +20,29 @@ std::vector<uint32_t> some_of(const std::vector<uint32_t>& views, size_t most) {
     return out;
 }
 
-void add_to(std::vector<uint32_t>& set, const std::vector<uint32_t>& others) {
-    set.insert(set.end(), others.begin(), others.end());
-}
-
 void make_unique(std::vector<uint32_t>& set) {
     std::ranges::sort(set);
     set.erase(std::unique(set.begin(), set.end()), set.end());
+}
+
+std::vector<Vec3d> directions_from(const Dataset& dataset, uint32_t vertex, const std::vector<uint32_t>& views) {
+    const Vec3d place = dataset.mesh.positions[vertex].cast<double>();
+    std::vector<Vec3d> out;
+    for (const uint32_t v : views) out.push_back(dataset.views[v].direction_to_camera(place));
+    return out;
+}
+
+/// Radians from a direction to the next one, on average; 0 of fewer than two.
+double mean_apart(const std::vector<Vec3d>& directions) {
+    if (directions.size() < 2) return 0;
+    double sum = 0;
+    for (size_t i = 0; i < directions.size(); ++i) {
+        double nearest = -1;  // cosine
+        for (size_t j = 0; j < directions.size(); ++j)
+            if (j != i) nearest = std::max(nearest, directions[i].dot(directions[j]));
+        sum += std::acos(std::clamp(nearest, -1.0, 1.0));
+    }
+    return sum / double(directions.size());
 }
 
 Vec3f twice_area(const Mesh& mesh, uint32_t triangle) {
@@ -47,21 +64,31 @@ SafeViews::SafeViews(const Dataset& dataset, const std::vector<uint32_t>& traini
       atlas_(std::move(atlas)),
       lookup_(*atlas_, lookup),
       fit_(std::move(fit)),
-      of_triangle_(views_that_see(dataset, ImageStream(dataset, StreamSource::disk), training)),
-      of_vertex_(dataset.mesh.vertex_count()),
+      of_vertex_(views_that_see_vertices(dataset, ImageStream(dataset, StreamSource::disk), training)),
+      spacings_(dataset.mesh.vertex_count(), 1.0f),
       angles_(size_t(thread_count())),
       bounds_(atlas_->texel_count()),
       known_(dataset.mesh.triangle_count()) {
-    const auto& triangles = dataset.mesh.triangles;
-    for (size_t t = 0; t < triangles.size(); ++t)
-        for (const uint32_t v : triangles[t]) add_to(of_vertex_[v], of_triangle_[t]);
-    for (auto& of : of_vertex_) make_unique(of);
-    // Between the centres of pixels triangles may be missed that their neighbours' photographs show as well.
-    for (size_t t = 0; t < triangles.size(); ++t) {
-        if (!of_triangle_[t].empty()) continue;
-        for (const uint32_t v : triangles[t]) add_to(of_triangle_[t], of_vertex_[v]);
-        make_unique(of_triangle_[t]);
-    }
+    constexpr size_t grain = 64;
+    parallel_for(of_vertex_.size(), grain, [&](size_t v, int) {
+        spacings_[v] = std::max(1.0f, float(mean_apart(directions_from(dataset, uint32_t(v), of_vertex_[v])) / dense));
+    });
+}
+
+/// Those that show all of its vertices, or else any of them.
+std::vector<uint32_t> SafeViews::views_of(uint32_t triangle) const {
+    const auto& [a, b, c] = dataset_->mesh.triangles[triangle];
+    std::vector<uint32_t> two, all;
+    std::ranges::set_intersection(of_vertex_[a], of_vertex_[b], std::back_inserter(two));
+    std::ranges::set_intersection(two, of_vertex_[c], std::back_inserter(all));
+    if (!all.empty()) return all;
+    for (const uint32_t v : {a, b, c}) all.insert(all.end(), of_vertex_[v].begin(), of_vertex_[v].end());
+    make_unique(all);
+    return all;
+}
+
+bool SafeViews::is_seen(uint32_t triangle) const {
+    return std::ranges::any_of(dataset_->mesh.triangles[triangle], [&](uint32_t v) { return !of_vertex_[v].empty(); });
 }
 
 float SafeViews::share_at(float angle) { return std::clamp(1 - (angle - float(apart)) / float(fade), 0.0f, 1.0f); }
@@ -72,7 +99,7 @@ float SafeViews::angle_at(uint32_t vertex, const Vec3d& eye) const {
     double nearest = of_vertex_[vertex].empty() ? 1 : -1;  // cosine
     for (const uint32_t v : of_vertex_[vertex])
         nearest = std::max(nearest, dataset_->views[v].direction_to_camera(place).dot(direction));
-    return float(std::acos(std::clamp(nearest, -1.0, 1.0)));
+    return float(std::acos(std::clamp(nearest, -1.0, 1.0))) / spacings_[vertex];
 }
 
 double SafeViews::share_of_fit(const Vec3d& eye) const {
@@ -83,8 +110,10 @@ double SafeViews::share_of_fit(const Vec3d& eye) const {
         if (at[v] < 0) at[v] = share_at(angle_at(v, eye));
         return double(at[v]);
     };
-    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-        if (of_triangle_[t].empty()) continue;
+    constexpr size_t most_triangles = 4000;  // looked at
+    const size_t step = std::max<size_t>(1, mesh.triangles.size() / most_triangles);
+    for (size_t t = 0; t < mesh.triangles.size(); t += step) {
+        if (!is_seen(uint32_t(t))) continue;
         const auto& [a, b, c] = mesh.triangles[t];
         const double area = double(twice_area(mesh, uint32_t(t)).norm()) * facing(mesh, uint32_t(t), eye.cast<float>());
         if (!(area > 0)) continue;
@@ -104,7 +133,7 @@ void SafeViews::find_bounds(std::span<const uint32_t> triangles, int worker) con
     std::vector<float> weights(triangles.size(), 0.0f);
     std::vector<std::vector<uint32_t>> shown_to(dataset_->views.size());  // places in `triangles`
     for (size_t i = 0; i < triangles.size(); ++i)
-        for (const uint32_t v : some_of(of_triangle_[triangles[i]], most_views)) shown_to[v].push_back(uint32_t(i));
+        for (const uint32_t v : some_of(views_of(triangles[i]), most_views)) shown_to[v].push_back(uint32_t(i));
     std::vector<RasterPixel> centres;
     std::vector<float> rgb;
     for (size_t v = 0; v < shown_to.size(); ++v) {
@@ -174,7 +203,7 @@ void SafeViews::bound(const View& view, const std::vector<RasterPixel>& pixels, 
     std::vector<uint32_t> unknown;
     for (size_t i = 0; i < pixels.size(); ++i) {
         const RasterPixel& p = pixels[i];
-        if (p.triangle == no_triangle || of_triangle_[p.triangle].empty()) continue;
+        if (p.triangle == no_triangle || !is_seen(p.triangle)) continue;
         const auto& [a, b, c] = dataset_->mesh.triangles[p.triangle];
         const float angle = (1 - p.b1 - p.b2) * angle_of(a) + p.b1 * angle_of(b) + p.b2 * angle_of(c);
         if (angle <= float(bound_from)) continue;
@@ -188,7 +217,7 @@ void SafeViews::bound(const View& view, const std::vector<RasterPixel>& pixels, 
         Bounds here;
         float weight = 0;
         for (const auto& [triangle, local, share] : mix.entries()) {
-            if (of_triangle_[triangle].empty()) continue;
+            if (!is_seen(triangle)) continue;
             const Bounds& texel = bounds_[size_t(triangle) * atlas_->texels_per_tile() + local];
             here.mean += share * texel.mean;
             here.reach += share * texel.reach;
@@ -198,7 +227,8 @@ void SafeViews::bound(const View& view, const std::vector<RasterPixel>& pixels, 
         auto colour = Vec3f::Map(&rgb[3 * pixel]);
         const Vec3f within = colour.cwiseMin(mean + reach).cwiseMax(mean - reach);
         const float held = std::min(1.0f, (angle - float(bound_from)) / float(bound_within)), share = share_at(angle);
-        colour = share * (colour + held * (within - colour)) + (1 - share) * mean;
+        const Vec3f fitted = held < 1 ? Vec3f(colour + held * (within - colour)) : within;
+        colour = share > 0 ? Vec3f(share * fitted + (1 - share) * mean) : mean;
     }
 }
 

@@ -11,4 +11,10 @@ namespace radiafit {
 std::vector<std::vector<uint32_t>> views_that_see(const Dataset& dataset, const ImageStream& stream,
                                                   const std::vector<uint32_t>& views);
 
+/// [vertices] Likewise of a mesh: one of the vertex's triangles is shown so, or the vertex itself is, inside the mask
+/// and no farther than what a pixel around it shows, by half a percent. (Triangles smaller than a pixel have no centre
+/// in them.)
+std::vector<std::vector<uint32_t>> views_that_see_vertices(const Dataset& dataset, const ImageStream& stream,
+                                                           const std::vector<uint32_t>& views);
+
 }  // namespace radiafit

@@ -68,11 +68,18 @@ FarViews far_views(const Dataset& dataset, const std::vector<uint32_t>& views, d
     return out;
 }
 
-std::vector<OffPhotographs> judge_off_photographs(const Dataset& dataset, const FitRequest& request, int pixel_points,
+std::vector<OffPhotographs> judge_off_photographs(const Dataset& dataset, const FitRecord& fit, int pixel_points,
                                                   const std::function<void(const OffPhotographs&)>& judged) {
+    FitRequest again = fitted_request(fit);
+    if (again.memory > 0)
+        throw UserError("--off-photographs fits in one piece what was fitted in parts; leave out --off-photographs");
+    const std::vector<uint32_t> fitted = fitted_views(dataset, fit);
+    again.validation = 0;
+    again.leave_out.clear();
+    again.records.clear();
     std::vector<OffPhotographs> out;
     for (const double degrees : off_degrees) {
-        const FarViews far = far_views(dataset, dataset.split(false), degrees);
+        const FarViews far = far_views(dataset, fitted, degrees);
         if (far.judged.empty()) continue;
         Dataset split = dataset;
         split.views.clear();
@@ -81,8 +88,6 @@ std::vector<OffPhotographs> judge_off_photographs(const Dataset& dataset, const 
             split.views.push_back(dataset.views[v]);
             split.views.back().held_out = true;
         }
-        FitRequest again = request;
-        again.validation = 0;
         FinishedFit done = family_of(again).fit(split, again);
         Fitted baseline = baseline_of(done.fit);
         const JudgeOptions options{.pixel_points = pixel_points};

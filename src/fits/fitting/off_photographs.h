@@ -29,8 +29,9 @@ struct OffPhotographs {
 inline constexpr double off_degrees[] = {15, 25, 35};
 
 /// Fits anew what was fitted, for each of off_degrees without the views around some, and judges these. Angles for which
-/// there are no such views are left out. judged: after each. Throws UserError where none is left.
-std::vector<OffPhotographs> judge_off_photographs(const Dataset& dataset, const FitRequest& request, int pixel_points,
+/// there are no such views are left out. judged: after each. Throws UserError where none is left, and for a fit that
+/// was made in parts, as these are made whole.
+std::vector<OffPhotographs> judge_off_photographs(const Dataset& dataset, const FitRecord& fit, int pixel_points,
                                                   const std::function<void(const OffPhotographs&)>& judged = {});
 
 }  // namespace radiafit::fits

@@ -31,14 +31,15 @@ FitSetting with(FitSetting setting, const std::string& option, const std::string
     return setting;
 }
 
+std::optional<double> number_in(const std::string& text) {
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    return end != text.c_str() && *end == 0 ? std::optional(value) : std::nullopt;
+}
+
 /// Whether two values of an option are one: numbers may be written in several ways.
 bool same_value(const std::string& a, const std::string& b) {
-    const auto number = [](const std::string& text) -> std::optional<double> {
-        char* end = nullptr;
-        const double value = std::strtod(text.c_str(), &end);
-        return end && *end == 0 ? std::optional(value) : std::nullopt;
-    };
-    const auto x = number(a), y = number(b);
+    const auto x = number_in(a), y = number_in(b);
     return a == b || (x && y && std::abs(*x - *y) < 1e-3 * std::abs(*y));
 }
 
@@ -159,9 +160,14 @@ private:
                 if (!ladder.means_something(request)) continue;
                 const std::string now = value_of(from, ladder.option, request.text(ladder.option));
                 const auto at = std::ranges::find_if(ladder.values, [&](const char* v) { return same_value(v, now); });
-                if (at == ladder.values.end()) continue;
-                if (at != ladder.values.begin()) attempt(with(from, ladder.option, at[-1]));
-                if (at + 1 != ladder.values.end()) attempt(with(from, ladder.option, at[1]));
+                const bool on_it = at != ladder.values.end();
+                if (!on_it && !number_in(now)) continue;
+                // The neighbours of a number that is not on the ladder are the next ones.
+                const auto above = [&](const char* v) { return number_in(v) > number_in(now); };
+                const auto higher = on_it ? at + 1 : std::ranges::find_if(ladder.values, above);
+                const auto end_of_lower = on_it ? at : higher;
+                if (end_of_lower != ladder.values.begin()) attempt(with(from, ladder.option, end_of_lower[-1]));
+                if (higher != ladder.values.end()) attempt(with(from, ladder.option, *higher));
             }
         }
         return best().psnr > before.psnr + 0.02;

@@ -87,7 +87,7 @@ Judgement judge_fit(const std::string& folder, const std::string& moved_to, Spli
 std::vector<OffPhotographs> judge_off(const std::string& folder, const std::string& moved_to,
                                       std::optional<int> pixel_points) {
     Fitted fit = open_fit(folder, moved_to);
-    return judge_off_photographs(fit.dataset(), fitted_request(fit.record()), pixel_points.value_or(as_photographed),
+    return judge_off_photographs(fit.dataset(), fit.record(), pixel_points.value_or(as_photographed),
                                  [](const OffPhotographs& off) {
                                      log_info(
                                          fmt::format("fitted without views within {:.0f} degrees of {} others: "

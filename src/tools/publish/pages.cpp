@@ -2,6 +2,7 @@
 
 #include "fit/fit_maps.h"
 #include "fitting/family.h"
+#include "publish/coded_map.h"
 
 namespace radiafit::tools {
 namespace {
@@ -113,14 +114,16 @@ void add_view_bounds(PageModel& page, const Dataset& dataset, const std::vector<
     // Coarse, as they count off the photographs alone, and would take a third of a page.
     constexpr float mean_step = 4.0f / 255, reach_step = 16.0f / 255;
     for (PageMap& map : parameter_maps(maps_of_view_bounds(), numbers, *page.atlas)) {
-        const float step = map.name.starts_with("mean") ? mean_step : reach_step;
         map.root = !shows_stored_srgb(dataset, bounds->space());
+        float white = 0;
+        for (const float value : map.image.values) white = std::max(white, stored_number(map, value));
+        const float step = std::max(1e-6f, white * (map.name.starts_with("mean") ? mean_step : reach_step));
         map.fixed_step = {step, step, step};
         page.maps.push_back(std::move(map));
     }
-    constexpr size_t bits = 24;  // of a number, so that floats hold it; four to an entry
+    constexpr size_t bits = 16;  // of a number, four to an entry
     const size_t entries = (training.size() + 4 * bits - 1) / (4 * bits);
-    PageTable cameras{"photographs", {}}, seen{"seen_from", {}};
+    PageTable cameras{"photographs", {}}, seen{"seen_from", {}}, spacing{"photograph_spacing", {}};
     std::vector<size_t> place(dataset.views.size(), 0);
     for (size_t i = 0; i < training.size(); ++i) {
         place[training[i]] = i;
@@ -132,7 +135,9 @@ void add_view_bounds(PageModel& page, const Dataset& dataset, const std::vector<
         for (const uint32_t v : views) numbers_of_bits[place[v] / bits] |= 1u << (place[v] % bits);
         seen.entries.insert(seen.entries.end(), numbers_of_bits.begin(), numbers_of_bits.end());
     }
+    for (const float each : bounds->spacings()) spacing.entries.insert(spacing.entries.end(), {each, 0, 0, 0});
     page.tables.push_back(std::move(cameras));
+    page.tables.push_back(std::move(spacing));
     page.tables.push_back(std::move(seen));
     page.defines.emplace_back("SEEN_ENTRIES", std::to_string(entries));
     page.whole_uniforms.emplace_back("photograph_count", int(training.size()));
