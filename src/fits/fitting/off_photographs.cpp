@@ -1,11 +1,14 @@
 #include "fitting/off_photographs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "base/error.h"
+#include "base/wording.h"
 #include "dataset/view_directions.h"
 #include "eval/judge.h"
 #include "fitting/family.h"
@@ -72,7 +75,10 @@ std::vector<OffPhotographs> judge_off_photographs(const Dataset& dataset, const 
                                                   const std::function<void(const OffPhotographs&)>& judged) {
     FitRequest again = fitted_request(fit);
     if (again.memory > 0)
-        throw UserError("--off-photographs fits in one piece what was fitted in parts; leave out --off-photographs");
+        throw UserError(
+            fmt::format("{} fits in one piece, and this fit was made within a limit of memory ({}); judge a fit "
+                        "without that limit",
+                        option_name("off-photographs"), option_name("memory")));
     const std::vector<uint32_t> fitted = fitted_views(dataset, fit);
     again.validation = 0;
     again.leave_out.clear();
@@ -100,9 +106,10 @@ std::vector<OffPhotographs> judge_off_photographs(const Dataset& dataset, const 
         if (judged) judged(out.back());
     }
     if (out.empty())
-        throw UserError(dataset.folder.string() +
-                        ": no view has so few neighbours that half of all are left without it; --off-photographs needs "
-                        "views from more sides");
+        throw UserError(
+            fmt::format("{}: around no view so few others lie that half of all are left without them; {} needs "
+                        "views from more sides",
+                        dataset.folder.string(), option_name("off-photographs")));
     return out;
 }
 
