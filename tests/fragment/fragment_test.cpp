@@ -319,11 +319,13 @@ TEST(Fragment, EveryPassDeclaresItsCostAndItsInvocationsAreCounted) {
     const TriangleAtlas atlas(noise.dataset.mesh, 8);
     const VertexRings rings(noise.dataset.mesh);
     for (Passes passes : {Passes::paper, Passes::r300, Passes::combined})
-        for (Mode mode : {Mode::paper, Mode::modern}) {
+        for (const auto& [mode, storage] :
+             {std::pair{Mode::paper, Storage::fp32}, {Mode::modern, Storage::fp32}, {Mode::paper, Storage::fp16}}) {
             LfmOptions options;
             options.mode = mode;
             options.lookup = mode == Mode::paper ? ViewLookup::nearest : ViewLookup::bilinear;
-            FragmentEngine engine(noise.dataset, atlas, rings, all_views(), options, {.passes = passes});
+            FragmentEngine engine(noise.dataset, atlas, rings, all_views(), options,
+                                  {.passes = passes, .storage = storage});
             PassRunner& run = engine.passes();
             run.tally(true);
             const uint64_t draws = run.counters.draws;
