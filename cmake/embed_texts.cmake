@@ -1,6 +1,6 @@
 # cmake -DFOLDER=shaders -DOUTPUT=FILE -DTABLE=embedded_shaders -DHEADER=gl/embedded_shaders.h -DNAMESPACE=radiafit
 # -P embed_texts.cmake: all texts of the folder, or -DFILES=A;B of them, as one C++ table (src/core/base/embedded_text.h).
-if(DEFINED FILES)
+if(FILES)
   set(files ${FILES})
 else()
   file(GLOB_RECURSE files RELATIVE ${FOLDER} ${FOLDER}/*)
