@@ -51,5 +51,23 @@ TEST(Tune, TwiceTheNumbersForNextToNothingAreNotWorthIt) {
     EXPECT_EQ(smallest_as_good({tried(110, 12, ratio, 0), tried(100, 12, 1, 0)}), 0u);
 }
 
+TEST(Tune, WhatAModelDoesOffThePhotographsCountsAsMuch) {
+    const auto of = [](const char* model, size_t numbers, double ratio, std::optional<double> off) {
+        TriedSetting t = tried(numbers, 12, ratio, 0);
+        t.setting = {{"model", model}};
+        t.psnr = 25 - 10 * std::log10(ratio);
+        t.off_psnr = off;
+        return t;
+    };
+    // a tenth of a decibel amid the photographs against half a decibel off them, and the other way about
+    EXPECT_EQ(recommended_of({of("viewbasis", 50, 1, 22), of("viewbasis", 60, 1.01, {}), of("sg", 60, 1.02, 22.5)}),
+              2u);
+    EXPECT_EQ(recommended_of({of("viewbasis", 50, 1, 22.5), of("sg", 60, 1.02, 22)}), 0u);
+    // Of the chosen model it is the smallest that is as good.
+    EXPECT_EQ(recommended_of({of("lfm", 10, 1, 20), of("sg", 400, 1.001, 22), of("sg", 100, 1.002, {})}), 2u);
+    // Nothing is weighed where one model alone was.
+    EXPECT_EQ(recommended_of({of("viewbasis", 50, 1, 22), of("sg", 60, 1.02, {})}), 0u);
+}
+
 }  // namespace
 }  // namespace radiafit

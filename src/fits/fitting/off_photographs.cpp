@@ -71,6 +71,17 @@ FarViews far_views(const Dataset& dataset, const std::vector<uint32_t>& views, d
     return out;
 }
 
+Dataset split_by(const Dataset& dataset, const FarViews& far) {
+    Dataset split = dataset;
+    split.views.clear();
+    for (const uint32_t v : far.fitted) split.views.push_back(dataset.views[v]);
+    for (const uint32_t v : far.judged) {
+        split.views.push_back(dataset.views[v]);
+        split.views.back().held_out = true;
+    }
+    return split;
+}
+
 std::vector<OffPhotographs> judge_off_photographs(const Dataset& dataset, const FitRecord& fit, int pixel_points,
                                                   const std::function<void(const OffPhotographs&)>& judged) {
     FitRequest again = fitted_request(fit);
@@ -87,13 +98,7 @@ std::vector<OffPhotographs> judge_off_photographs(const Dataset& dataset, const 
     for (const double degrees : off_degrees) {
         const FarViews far = far_views(dataset, fitted, degrees);
         if (far.judged.empty()) continue;
-        Dataset split = dataset;
-        split.views.clear();
-        for (const uint32_t v : far.fitted) split.views.push_back(dataset.views[v]);
-        for (const uint32_t v : far.judged) {
-            split.views.push_back(dataset.views[v]);
-            split.views.back().held_out = true;
-        }
+        const Dataset split = split_by(dataset, far);
         FinishedFit done = family_of(again).fit(split, again);
         Fitted baseline = baseline_of(done.fit);
         const JudgeOptions options{.pixel_points = pixel_points};

@@ -19,6 +19,8 @@ struct FarViews {
 /// of one of them: cameras' directions from the surface's centre, or lamps', whichever differ more. None are judged
 /// where all would have too many neighbours. The same for the same input.
 FarViews far_views(const Dataset& dataset, const std::vector<uint32_t>& views, double degrees, size_t most = 6);
+/// The dataset with the fitted ones alone to fit, and the judged ones held out.
+Dataset split_by(const Dataset& dataset, const FarViews& far);
 
 struct OffPhotographs {
     double degrees = 0;  ///< at least, from every fitted view

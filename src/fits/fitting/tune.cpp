@@ -13,6 +13,7 @@
 #include "base/rng.h"
 #include "eval/judge.h"
 #include "fitting/family.h"
+#include "fitting/off_photographs.h"
 #include "fitting/resolve_options.h"
 
 namespace radiafit::fits {
@@ -51,14 +52,15 @@ public:
     Tuned run(std::optional<Interrupted>* stopped) {
         try {
             search();
+            weigh_off_photographs();
         } catch (const Interrupted& interrupted) {
             if (!stopped) throw;
             *stopped = interrupted;
         }
         std::ranges::stable_sort(all_, [](const auto& a, const auto& b) { return a.psnr > b.psnr; });
         std::erase_if(left_out_, [&](const UntriedSetting& s) { return was_tried(command_line_of(s.setting)); });
-        const size_t recommended = smallest_as_good(all_);
-        return {std::move(all_), recommended, std::move(left_out_), std::move(models_left_out_)};
+        const size_t recommended = recommended_of(all_);
+        return {std::move(all_), recommended, std::move(left_out_), std::move(models_left_out_), off_left_out_};
     }
 
 private:
@@ -124,7 +126,7 @@ private:
         const std::string name = command_line_of(setting);
         if (was_tried(name)) return;
         double& expected = seconds_[setting.front().second];
-        if (!all_.empty() && clock_.wall_s() + expected > options_.seconds) {
+        if (!all_.empty() && clock_.wall_s() + expected + reserved() > options_.seconds) {
             const auto same = [&](const UntriedSetting& s) { return command_line_of(s.setting) == name; };
             if (std::ranges::none_of(left_out_, same)) left_out_.push_back({setting, expected});
             return;
@@ -146,6 +148,49 @@ private:
                         .errors = {}});
         for (const ImageFigures& image : judged.images) all_.back().errors.push_back(image.stored);
         if (tried_) tried_(all_.back());
+    }
+
+    /// Seconds that are kept for weigh_off_photographs().
+    double reserved() const {
+        if (dataset_.light_moves() || seconds_.size() < 2) return 0;
+        double sum = 0;
+        for (const auto& [model, seconds] : seconds_) sum += seconds;
+        return std::min(sum, options_.seconds / 3);
+    }
+
+    /// Fits the best setting of each model that is near the best one, without the views around some, and judges it
+    /// there.
+    void weigh_off_photographs() {
+        constexpr double near = 1;  // dB
+        std::map<std::string, TriedSetting*> of_model;
+        for (TriedSetting& t : all_) {
+            TriedSetting*& held = of_model[t.setting.front().second];
+            if (!held || t.psnr > held->psnr) held = &t;
+        }
+        std::erase_if(of_model, [&](const auto& entry) { return entry.second->psnr < best().psnr - near; });
+        if (dataset_.light_moves() || of_model.size() < 2) return;
+        double expected = 0;
+        for (const auto& [model, held] : of_model) expected += held->seconds + held->judge_seconds;
+        if (clock_.wall_s() + expected > options_.seconds) {
+            off_left_out_ = expected;
+            return;
+        }
+        const FarViews far = far_views(dataset_, dataset_.split(false), off_photographs_degrees);
+        if (far.judged.empty()) return;
+        const Dataset split = split_by(dataset_, far);
+        std::map<TriedSetting*, double> weighed;
+        for (const auto& [model, held] : of_model) {
+            FitRequest request = request_of(held->setting);
+            request.validation = 0;
+            try {
+                FinishedFit done = family_of(request).fit(split, request);
+                weighed[held] = judge(contestant_of(done.fit), split, Split::test).psnr();
+            } catch (const UserError&) {
+                return;  // of views that are too few for a model
+            }
+        }
+        if (std::ranges::all_of(weighed, [](const auto& entry) { return std::isfinite(entry.second); }))
+            for (const auto& [held, psnr] : weighed) held->off_psnr = psnr;
     }
 
     /// Tries the values next to the best setting's, option by option; whether that led to a better one.
@@ -182,6 +227,7 @@ private:
     std::vector<std::string> names_;  ///< of all that was tried
     std::vector<UntriedSetting> left_out_;
     std::vector<std::string> models_left_out_;
+    std::optional<double> off_left_out_;
     std::map<std::string, double> seconds_;  ///< that a model's last attempt took
 };
 
@@ -224,6 +270,26 @@ size_t smallest_as_good(const std::vector<TriedSetting>& best_first) {
     for (size_t i = 1; i < best_first.size(); ++i)
         if (best_first[i].numbers < best_first[out].numbers && as_good(best_first[i])) out = i;
     return out;
+}
+
+size_t recommended_of(const std::vector<TriedSetting>& best_first) {
+    const TriedSetting* best = nullptr;
+    int weighed = 0;
+    const auto mean = [](const TriedSetting& t) { return (t.psnr + *t.off_psnr) / 2; };
+    for (const TriedSetting& t : best_first) {
+        if (!t.off_psnr) continue;
+        ++weighed;
+        if (!best || mean(t) > mean(*best)) best = &t;
+    }
+    if (weighed < 2) return smallest_as_good(best_first);
+    std::vector<TriedSetting> of_model;
+    std::vector<size_t> places;
+    for (size_t i = 0; i < best_first.size(); ++i)
+        if (best_first[i].setting.front() == best->setting.front()) {
+            of_model.push_back(best_first[i]);
+            places.push_back(i);
+        }
+    return places[smallest_as_good(of_model)];
 }
 
 Tuned tune(const Dataset& dataset, const TuneOptions& options, const std::function<void(const TriedSetting&)>& tried,

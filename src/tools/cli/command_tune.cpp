@@ -33,6 +33,7 @@ void print_json(const std::string& name, const Dataset& dataset, const Tuned& tu
         rows.push_back({{"options", command_line_of(t.setting)},
                         {"psnr", t.psnr},
                         {"ape", t.ape},
+                        {"off_photographs_psnr", t.off_psnr ? nlohmann::ordered_json(*t.off_psnr) : nullptr},
                         {"seconds", t.seconds},
                         {"judge_seconds", t.judge_seconds},
                         {"page_seconds", page_seconds(t, dataset)},
@@ -44,7 +45,8 @@ void print_json(const std::string& name, const Dataset& dataset, const Tuned& tu
                                               {"tried", rows},
                                               {"recommended", command_line_of(recommended(tuned).setting)},
                                               {"left_out", left_out},
-                                              {"models_left_out", tuned.models_left_out}}
+                                              {"models_left_out", tuned.models_left_out},
+                                              {"off_photographs_left_out", tuned.off_left_out.has_value()}}
                            .dump(2));
 }
 
@@ -64,16 +66,21 @@ std::string describe_left_out(const Tuned& tuned, double given_seconds) {
 
 void print_table(const std::string& name, const Dataset& dataset, const Tuned& tuned, const TuneOptions& options) {
     fmt::print(
-        "PSNR, dB    APE  numbers, M      MB  fit, s  judge, s  page, s  options, best first; one in {} training "
-        "views was left out to judge by\n",
-        left_out_every(dataset, options));
+        "PSNR, dB  off, dB    APE  numbers, M      MB  fit, s  judge, s  page, s  options, best first; one in {} "
+        "training views was left out to judge by; off: {} degrees from the nearest view of a fit without those around "
+        "some\n",
+        left_out_every(dataset, options), off_photographs_degrees);
     for (const TriedSetting& t : tuned.tried)
-        fmt::print("{:8.2f} {:6.2f} {:11.3f} {:7.1f} {:7.1f} {:9.1f} {:8.0f}  {}\n", t.psnr, t.ape,
-                   double(t.numbers) / 1e6, double(t.bytes()) / 1e6, t.seconds, t.judge_seconds,
-                   page_seconds(t, dataset), command_line_of(t.setting));
+        fmt::print("{:8.2f} {:>8} {:6.2f} {:11.3f} {:7.1f} {:7.1f} {:9.1f} {:8.0f}  {}\n", t.psnr,
+                   t.off_psnr ? fmt::format("{:.2f}", *t.off_psnr) : "", t.ape, double(t.numbers) / 1e6,
+                   double(t.bytes()) / 1e6, t.seconds, t.judge_seconds, page_seconds(t, dataset),
+                   command_line_of(t.setting));
     fmt::print("\n");
     const TriedSetting &best = tuned.tried.front(), &chosen = recommended(tuned);
-    if (tuned.recommended > 0)
+    if (best.setting.front() != chosen.setting.front() && best.off_psnr)
+        fmt::print("{}: {:.2f} dB less than the best amid the photographs, and better than it off them\n",
+                   command_line_of(chosen.setting), best.psnr - chosen.psnr);
+    else if (tuned.recommended > 0)
         fmt::print(
             "{}: {:.2f} dB less than the best, with {:.2g} of its numbers: within the noise of {} views, or less than "
             "0.05 dB for twice the numbers\n",
@@ -81,7 +88,11 @@ void print_table(const std::string& name, const Dataset& dataset, const Tuned& t
             best.errors.size());
     if (!tuned.models_left_out.empty())
         fmt::print("models that do not take all options given: {}\n", fmt::join(tuned.models_left_out, ", "));
-    fmt::print("{}\n\n", describe_left_out(tuned, options.seconds));
+    fmt::print("{}\n", describe_left_out(tuned, options.seconds));
+    if (tuned.off_left_out)
+        fmt::print("models were not compared off the photographs, for which {} were missing\n",
+                   duration(*tuned.off_left_out));
+    fmt::print("\n");
     // A name of its own: DATASET-fit is what the README calls the default fit.
     const std::string stem = name.substr(0, name.find_last_not_of('/') + 1);
     fmt::print("radiafit fit {} {} -o {}-tuned\n", name, command_line_of(chosen.setting), stem);
