@@ -110,6 +110,11 @@ COMMANDS = (
     command("capture depths", f"capture depths {MODEL} --images {INPUTS}/capture/images -o out", "--seed", (1, 2, 3)),
     command("capture cut-mesh", f"capture cut-mesh {INPUTS}/capture/mesh.ply {MODEL} --depths {INPUTS}/depths -o out.ply",
             "--region", (1.2, 0.8, 0.9)),
+    Command("capture preview", tuple(
+        (*f"capture preview --model {INPUTS}/{of}/sparse --images {INPUTS}/{of}/images -o out.png".split(), *mesh)
+        for of, mesh in (("capture", ("--mesh", f"{INPUTS}/capture/mesh.ply")), ("capture", ()), ("other-capture", ())))),
+    command("solve", f"solve {INPUTS}/decays/decays.csv --model {INPUTS}/decays/decay.glsl -o out --start "
+            "first=500,first_life=1,second=200,second_life=5,background=5", "--iterations", (50, 2, 3)),
     command("capture masks", f"capture masks {INPUTS}/capture/mesh.ply {MODEL} -o out", "--inset", (2, 0, 5)),
     experiment("table1_datasets", "terms", (1, 2, 3)),
     experiment("fig7_convergence", "cap", (40, 50, 60)),
@@ -221,6 +226,7 @@ class Scene:
         self.programs.update({c.program: build / "experiments" / c.program for c in COMMANDS if c.program != "radiafit"})
         self.environment = {**os.environ, "LC_ALL": "C", "MESA_SHADER_CACHE_DIR": str(self.root / "shader-cache")}
         self.environment.pop("DISPLAY", None)
+        self.environment["XDG_CACHE_HOME"] = str(self.root / "cache")  # of compiled models
         self.lock, self.locks, self.references, self.count = threading.Lock(), {}, {}, 0
         for name in ("shader-cache", "inputs"):
             (self.root / name).mkdir()
@@ -256,6 +262,11 @@ class Scene:
         self.make("capture")
         self.radiafit("capture", "depths", "--model", "capture/sparse", "--images", "capture/images", "-o", name)
 
+    def make_decays(self, name):
+        shutil.copytree(CHECKOUT / "examples/solve", self.root / "inputs" / name)
+        self.radiafit("solve", f"{name}/decays.csv", "--model", f"{name}/decay.glsl", "--iterations", 1, "-o", f"solved-{name}",
+                      "--start", "first=500,first_life=1,second=200,second_life=5,background=5")  # compiles the model
+
     def make_lamps(self, name):
         write_lamps(self.root / "inputs" / name, seed=name)
 
@@ -276,7 +287,7 @@ class Scene:
         self.radiafit("import", "lights", "--images", "lamps/images", "--lights", "lamps/lights.txt", "--normals", "flat", "-o", f"packed-{name}")
         self.radiafit("fit", f"packed-{name}", "--model", "lambert", "--clip-above", 0.5 + 0.1 * int(name[-1]), "-o", name)
 
-    INPUTS = {"star": make_star, "ornament": make_ornament, "capture": make_capture, "depths": make_depths, "lamps": make_lamps,
+    INPUTS = {"star": make_star, "ornament": make_ornament, "capture": make_capture, "depths": make_depths, "decays": make_decays, "lamps": make_lamps,
               "lfm": make_light_field, "records": make_records, "texels0": make_texels, "texels1": make_texels,
               "texels2": make_texels, "relief0": make_relief, "relief1": make_relief, "relief2": make_relief}
 
