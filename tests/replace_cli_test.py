@@ -21,6 +21,7 @@ COMMANDS = {
     "merge": ("merge shard1 shard2 -o OUT", None),
     "capture depths": ("capture depths --model capture/sparse --images capture/images -o OUT", "--seed 2"),
     "capture cut-mesh": ("capture cut-mesh capture/mesh.ply --model capture/sparse --depths depths -o OUT.ply", "--region 0.9"),
+    "capture preview": ("capture preview --model capture/sparse --images capture/images -o OUT.png", "--mesh capture/mesh.ply"),
     "capture masks": ("capture masks capture/mesh.ply --model capture/sparse -o OUT", "--inset 0"),
     "export problems": ("export problems star -o OUT", "--terms 2"),
     "export parameters": ("export parameters star-fit -o OUT", None),

@@ -9,6 +9,9 @@
 #   --mesh FILE      a surface in the frame of OUT/flat/points.ply, in place of one made from depths
 #   --spheres WHICH  the photographs show one surface pixel on pixel, under a lamp each, and glossy spheres that mirror it:
 #                    auto, auto:N or a file of circles, as `radiafit import lights` takes; no light file is read then
+#   --ground WHAT    the plane that the object stands on: cut (default; with --masks keep), keep, or disc: a disc of it around
+#                    the object. Not of --mesh, which stays as it is
+#   --title TEXT, --caption TEXT, --credit TEXT, --licence TEXT   on the page, as `radiafit publish` takes them
 #   --size PX        longest side of the photographs that are fitted, default 1600
 #   --seconds S      about how long `radiafit tune` may take, default 300
 #   --threads N      default: all cores
@@ -27,10 +30,10 @@ export QT_QPA_PLATFORM=offscreen  # COLMAP asks for no display then
 
 die() { printf '%s\n' "capture.sh: $1" >&2; exit 2; }
 
-masks="" mesh="" spheres="" size=1600 seconds=300 threads=0 camera=SIMPLE_RADIAL go_on="" replace="" until=""
+masks="" mesh="" spheres="" ground="" title="" caption="" credit="" licence="" size=1600 seconds=300 threads=0 camera=SIMPLE_RADIAL go_on="" replace="" until=""
 while [ $# -gt 0 ]; do
     case $1 in
-    --masks | --mesh | --spheres | --size | --seconds | --threads | --camera | --until)
+    --masks | --mesh | --spheres | --ground | --title | --caption | --credit | --licence | --size | --seconds | --threads | --camera | --until)
         [ $# -gt 1 ] || die "$1 takes a value: see the top of $0"
         eval "$(printf %s "${1#--}")=\$2"
         shift 2
@@ -51,6 +54,8 @@ case " features matches cameras flat depths mesh masks dataset tune fit page " i
 *" ${until:-page} "*) ;;
 *) die "--until $until: choose features, matches, cameras, flat, depths, mesh, masks, dataset, tune, fit or page" ;;
 esac
+[ -n "$ground" ] || if [ -n "$masks" ]; then ground=keep; else ground=cut; fi
+case $ground in cut | keep | disc) ;; *) die "--ground $ground: choose cut, keep or disc" ;; esac
 [ -d "$photos" ] || die "$photos: no such folder of photographs"
 [ -z "$masks" ] || [ -d "$masks" ] || die "$masks: no such folder of masks"
 [ -z "$mesh" ] || [ -f "$mesh" ] || die "$mesh: no such mesh"
@@ -65,7 +70,7 @@ esac
 photos=$(cd "$photos" && pwd)
 [ -z "$masks" ] || masks=$(cd "$masks" && pwd)
 [ -z "$mesh" ] || mesh=$(cd "$(dirname "$mesh")" && pwd)/$(basename "$mesh")
-title=${photos##*/}
+named=${photos##*/}
 light_files() { find "$1/" -maxdepth 1 -type f,l -iname '*.lp' ! -name '.*' | sort; }
 where=$photos lights=""
 [ -n "$spheres" ] || lights=$(light_files "$photos")
@@ -271,7 +276,17 @@ flat() {
     undistort "$photos" 800 "$part/small" && rm -rf "$part/small/stereo" && undistort "$photos" "$size" "$part/large" &&
         run colmap model_converter --input_path "$out/cameras/model" --output_path "$part/points.ply" --output_type PLY &&
         { [ -z "$masks" ] || undistort_masks; } &&
-        "$radiafit" capture check-model "$part/large/sparse" --images "$photos" $go_on >"$part/said" 2>>"$part/log"
+        "$radiafit" capture check-model "$part/large/sparse" --images "$photos" $go_on >"$part/said" 2>>"$part/log" &&
+        preview "$part/small" "calibrated points"
+}
+preview() {  # WORKSPACE WHAT [OPTIONS]: a picture of three photographs above what is known by now
+    workspace=$1 what=$2
+    shift 2
+    if run "$radiafit" $of_radiafit capture preview --model "$workspace/sparse" --images "$workspace/images" "$@" -o "$part/preview.png"; then
+        echo "a picture of three photographs and the $what: $out/$name/preview.png" >>"$part/said"
+    else
+        echo "no picture of the $what could be made: $out/$name/log says why" >>"$part/said"
+    fi
 }
 undistort_masks() {
     # COLMAP takes the mask for the photograph of its name; import reads what comes out as a mask of that name.
@@ -315,11 +330,13 @@ make_mesh() {
             run colmap poisson_mesher --input_path "$part/points.ply" --output_path "$part/whole.ply" \
                 --PoissonMeshing.depth 8 --PoissonMeshing.trim 6 --PoissonMeshing.num_threads "$of_colmap" &&
             with_masks run "$radiafit" $of_radiafit capture cut-mesh "$part/whole.ply" --model "$out/flat/small/sparse" \
-                --depths "$out/depths/stereo" -o "$part/mesh.ply" && rm -r "$part/workspace" || return 1
+                --depths "$out/depths/stereo" --ground "$ground" -o "$part/mesh.ply" && rm -r "$part/workspace" || return 1
         checked=$part/mesh.ply
     fi
-    with_masks run_into "$part/said" "$radiafit" $of_radiafit capture check-mesh "$checked" \
-        --model "$out/flat/small/sparse" $go_on
+    set -- --model "$out/flat/small/sparse" $go_on
+    [ -n "$mesh" ] || set -- "$@" --depths "$out/depths/stereo"
+    with_masks run_into "$part/said" "$radiafit" $of_radiafit capture check-mesh "$checked" "$@" &&
+        preview "$out/flat/small" mesh --mesh "$checked"
 }
 made_mesh() { find "$out/mesh" -maxdepth 1 -name 'mesh.*' | head -n 1; }
 make_masks() {
@@ -331,12 +348,12 @@ make_masks() {
 }
 dataset() {
     run "$radiafit" $of_radiafit import colmap --model "$out/flat/large/sparse" --images "$out/flat/large/images" \
-        --masks "$out/masks/masks" --mesh "$(made_mesh)" --name "$title" -o "$part/dataset"
+        --masks "$out/masks/masks" --mesh "$(made_mesh)" --name "$named" -o "$part/dataset"
 }
 lit_dataset() {
     if [ -n "$spheres" ]; then set -- --spheres "$spheres"; else set -- --lights "$lights"; fi
     run "$radiafit" $of_radiafit import lights --images "$photos" "$@" --max-size "$size" \
-        --name "$title" -o "$part/dataset" || return 1
+        --name "$named" -o "$part/dataset" || return 1
     [ -z "$spheres" ] || grep -E '^(warning: |[0-9]+ spheres?, |[a-z]+ of [0-9]+ lamps )' "$part/log" >"$part/said" || true
 }
 tune() {
@@ -351,7 +368,10 @@ fit() {
     run "$radiafit" $of_radiafit fit "$out/dataset/dataset" $options -o "$part/fit" &&
         run_into "$part/score" "$radiafit" $of_radiafit judge "$part/fit" && grep '(test): ' "$part/score" >"$part/said"
 }
-publish() { run "$radiafit" $of_radiafit publish "$out/fit/fit" --single-file "$@" -o "$part/index.html"; }
+publish() {
+    run "$radiafit" $of_radiafit publish "$out/fit/fit" --single-file ${title:+--title "$title"} ${caption:+--caption "$caption"} \
+        ${credit:+--credit "$credit"} ${licence:+--licence "$licence"} "$@" -o "$part/index.html"
+}
 page() {
     publish && return
     # A surface of many texels needs more than publish's default; it has said how much.
@@ -369,7 +389,7 @@ if [ -z "$lights$spheres" ]; then
     step flat "undistorted photographs" "$size $masks $([ -z "$masks" ] || stamp "$masks")" flat "correct what it says, or give --go-on"
     if [ -z "$mesh" ]; then
         step depths "depths" "" depths "correct what it says"
-        step mesh "mesh" "" make_mesh "correct what it says, give --go-on, or a mesh of your own in the frame of $out/flat/points.ply with --mesh"
+        step mesh "mesh" "$ground" make_mesh "correct what it says, give --go-on, or a mesh of your own in the frame of $out/flat/points.ply with --mesh"
     else
         step mesh "mesh" "$mesh $(stamp "$mesh")" make_mesh "bring the mesh into the frame of $out/flat/points.ply"
     fi
@@ -380,7 +400,7 @@ else
 fi
 step tune "which model and options suit these photographs" "$seconds" tune "correct what it says"
 step fit "fit and judge" "" fit "correct what it says"
-step page "page" "" page "correct what it says"
+step page "page" "${title:+title=$title }${caption:+caption=$caption }${credit:+credit=$credit }${licence:+licence=$licence }" page "correct what it says"
 echo "the score, on photographs that were held out:" >&2
 cat "$out/fit/said"
 echo "the page: $out/page/index.html; the fit: $out/fit/fit; seconds by step, and processor seconds: $out/*/seconds" >&2

@@ -252,6 +252,7 @@ MADE = [
     ("merge made/shard", "made/merged", "merge made/other-shard"),
     ("capture depths --model photos/text --images photos/images", "made/stereo", "--seed 2"),
     ("capture cut-mesh photos/mesh.obj --model photos/text --depths photos/stereo --support 0", "made/cut.ply", "--close 2"),
+    ("capture preview --model photos/text --images photos/images", "made/preview.png", "--mesh photos/mesh.obj"),
     ("capture masks photos/mesh.obj --model photos/text", "made/masks", "--inset 1"),
     ("export problems tiny", "made/problems", "--terms 1"),
     ("export parameters fit", "made/parameters", "export parameters wholefit"),

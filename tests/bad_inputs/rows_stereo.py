@@ -20,6 +20,10 @@ def masks(more=""):
     return f"capture masks photos/mesh.obj --model photos/text {more} -o new".replace("  ", " ")
 
 
+def preview(more=""):
+    return f"capture preview --model photos/text --images photos/images {more} -o new.png".replace("  ", " ")
+
+
 def check_mesh(more=""):
     return f"capture check-mesh photos/mesh.obj --model photos/text {more}".strip()
 
@@ -104,10 +108,12 @@ for file, channels, size in ((depth, 1, 1024), (normal, 3, 3072)):
     ]
 rows += [
     (cut_mesh(), patch(depth, 8, b"\0\0\x80\xbf"), 2, f"{depth}: pixel (0, 0) has depth -1"),
-    (cut_mesh("--support 0"), None, 0, "4 of 4 vertices, 2 triangles"),
+    (cut_mesh("--support 0"), None, 0, "2 triangles of 4 vertices; of the mesh's 4 are left out: 0 far away"),
     (cut_mesh("--support 4"), None, 2, "nothing of the mesh is left"),
     (cut_mesh("--support -1"), None, 2, "support = "),
     (cut_mesh("--close 1001"), None, 2, "close = "),
+    (cut_mesh("--ground table"), None, 2, "ground", "'table'", "cut, keep, disc"),
+    (cut_mesh("--support 0 --ground disc"), None, 0, "2 triangles of 4 vertices"),
     (cut_mesh("--masks photos/masks"), None, 2, "--images"),
     (cut_mesh("--masks photos/small-masks --images photos/images"), None, 2, "photos/small-masks/0.png: 8 x 8 pixels, but its photograph has 16 x 16"),
     (cut_mesh(), replace("photos/mesh.obj", "f 1 2 3", "f 1 2 9"), 2, "photos/mesh.obj:"),
@@ -121,8 +127,19 @@ rows += [
     (masks(), replace("photos/text/images.txt", "1.png", "0.jpg"), 2, "photos/text/images.txt: two images would have the mask 0.png: rename one"),
     (masks(), replace("photos/text/images.txt", "1.png", "../1.png"), 2, "image '../1.png': its name leads out of the output folder: rename it"),
     (masks(), remove("photos/mesh.obj"), 2, "photos/mesh.obj: "),
-    (check_mesh(), None, 0, "the mesh covers"),
+    (check_mesh(), None, 0, "the mesh covers", "1 piece; 1 border"),
     (check_mesh("--json"), None, 0, '"median_distance"'),
+    (check_mesh("--depths photos/nowhere"), None, 2, "photos/nowhere/depth_maps/0.png.geometric.bin: "),
+    (check_mesh("--depths photos/stereo"), patch(depth, 8, b"\0\0\x80\xbf"), 2, f"{depth}: pixel (0, 0) has depth -1"),
+    (preview(), None, 0),
+    (preview("--mesh photos/mesh.obj"), None, 0),
+    (preview("--mesh photos/nowhere.obj"), None, 2, "photos/nowhere.obj: "),
+    (preview(), remove(points), 2, f"{points}: no such file"),
+    (preview("--mesh photos/mesh.obj"), remove(points), 0),
+    (preview(), remove("photos/images/0.png"), 2, "0.png"),
+    (preview(), write("photos/images/0.png", "x"), 2, "photos/images/0.png: "),
+    (preview(), folder("new.png"), 2, "new.png"),
+    ("capture preview --model photos/text -o new.png", None, 2, "--images is required"),
     (check_mesh("--masks photos/masks --images photos/images"), None, 2, "mesh and masks agree on", "in masks white is the object"),
     (check_mesh("--masks photos/masks --images photos/images --go-on"), None, 0, "mesh and masks agree on"),
     (check_mesh("--masks photos/nowhere --images photos/images"), None, 2, "photos/nowhere: "),

@@ -79,7 +79,7 @@ TEST_F(Checks, MeshIsHeldAgainstPointsAndMasks) {
     write_ply(sphere_mesh(Vec3d::Zero(), 1, 60, 120), root_ / "mesh.ply");
     write_mesh_masks(sphere_mesh(Vec3d::Zero(), 1, 60, 120), read_colmap(root_ / "model"), 0, root_ / "masks");
     const auto check = [&](const fs::path& masks) {
-        return check_mesh(root_ / "mesh.ply", root_ / "model", root_ / "photos", masks);
+        return check_mesh({root_ / "mesh.ply", root_ / "model", {}, root_ / "photos", masks});
     };
     const MeshCheck good = check(root_ / "masks");
     EXPECT_TRUE(good.poor.empty());
@@ -145,7 +145,7 @@ TEST_F(Checks, MeshIsCutToWhatDepthMapsSupport) {
     EXPECT_LT(cut.vertex_count(), of_sphere * 3 / 4);
     double lowest = 1;
     for (const Vec3f& p : cut.positions) {
-        EXPECT_NEAR(p.norm(), 1, 1e-5);
+        EXPECT_NEAR(p.norm(), 1, 5e-3);  // those on borders are smoothed within their tangent plane
         lowest = std::min(lowest, double(p.z()));
     }
     EXPECT_GT(lowest, -0.9);

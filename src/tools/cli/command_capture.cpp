@@ -18,6 +18,7 @@
 #include "stereo/mesh_check.h"
 #include "stereo/mesh_cut.h"
 #include "stereo/model_check.h"
+#include "stereo/preview.h"
 #include "stereo/stereo_folder.h"
 
 namespace radiafit::tools {
@@ -140,7 +141,11 @@ void add_cut_mesh(CommandLine& parent) {
     command.add_number("--region", o->region, limits::dense_region, "as of `capture depths`");
     command.add_number("--support", o->cut.support, limits::cut_support,
                        "photographs whose depths have to agree with the mesh");
-    command.add_number("--close", o->cut.close, limits::cut_close, "rings of triangles by which holes are closed");
+    command.add_number("--close", o->cut.close, limits::cut_close,
+                       "a hole is filled from whose middle it is so many triangles to its edge, or fewer");
+    command.add_choice(
+        "--ground", o->cut.ground, {{"cut", GroundRule::cut}, {"keep", GroundRule::keep}, {"disc", GroundRule::disc}},
+        "the plane that the object stands on: cut off, kept, or a disc of it around the object; default: cut");
     command.add_text("-o,--output", o->out, "PLY").required().idle();
     command.writes([=] { return std::vector{OutputTarget{.path = o->out}}; });
     command.on_run([=] {
@@ -148,22 +153,23 @@ void add_cut_mesh(CommandLine& parent) {
         const Calibration model = read_colmap(o->model);
         const Mesh mesh = read_mesh_file(o->mesh).mesh;
         const auto files = find_mask_files(model, o->images, o->masks);
+        const std::vector<PlaneMap> maps = read_planes(o->depths, model);
         std::vector<Camera> cameras;
-        std::vector<PlaneMap> maps(model.images.size());
         std::vector<std::vector<uint8_t>> masks(maps.size());
         for (const CalibratedImage& image : model.images) cameras.push_back(image.camera);
-        parallel_for(maps.size(), 1, [&](size_t i, int) {
-            maps[i] = read_planes(o->depths, model.images[i].name, cameras[i]);
-            masks[i] = load_mask(files, i, cameras[i]);
-        });
+        parallel_for(maps.size(), 1, [&](size_t i, int) { masks[i] = load_mask(files, i, cameras[i]); });
         CutReport report;
         const Mesh cut = cut_mesh(mesh, maps, masks, region_of(cameras, o->region), o->cut, report);
         write_ply(cut, o->out, made_by_remark());
         fmt::print(
-            "{} of {} vertices, {} triangles; left out: {} far away, {} outside the masks, {} that no depths "
-            "support, {} apart\n",
-            cut.vertex_count(), report.vertices, cut.triangle_count(), report.off_region, report.off_masks,
-            report.unsupported, report.apart);
+            "{} triangles of {} vertices; of the mesh's {} are left out: {} far away, {} outside the masks, {} in "
+            "front of what photographs see, {} that no depths support, {} apart\n",
+            cut.triangle_count(), cut.vertex_count(), report.vertices, report.off_region, report.off_masks,
+            report.in_free_space, report.unsupported, report.apart);
+        if (report.ground)
+            fmt::print("{}; --ground keep leaves all of it\n", o->cut.ground == GroundRule::cut
+                                                                   ? "the plane that it stands on is cut off"
+                                                                   : "of the plane that it stands on a disc is left");
     });
 }
 
@@ -189,7 +195,14 @@ void print_mesh(const MeshCheck& check, bool masked, bool json) {
             "them within 1 %\nthe mesh covers {:.1f} % of the photographs in the median",
             check.triangles, check.points, 100 * check.distance, 100 * check.near_share, 100 * check.share);
         if (masked) fmt::print("; mesh and masks agree on {:.0f} % of what either has", 100 * check.overlap);
-        fmt::print("\n");
+        fmt::print("\n{} {}; {} {}, together {:.2f} times the diagonal long\n", check.pieces,
+                   check.pieces == 1 ? "piece" : "pieces", check.borders, check.borders == 1 ? "border" : "borders",
+                   check.border_length);
+        if (check.surface)
+            fmt::print(
+                "by the photographs' depths {:.1f} % of its area is where they are, {:.2f} % in front of what "
+                "photographs see, and of {:.1f} % nothing is known\n",
+                100 * check.surface->supported, 100 * check.surface->in_free_space, 100 * check.surface->unknown);
         return;
     }
     Json photographs = Json::array();
@@ -203,39 +216,63 @@ void print_mesh(const MeshCheck& check, bool masked, bool json) {
                 {"median_distance", check.distance},
                 {"near_share", check.near_share},
                 {"share", check.share},
+                {"pieces", check.pieces},
+                {"borders", check.borders},
+                {"border_length", check.border_length},
                 {"poor", check.poor},
                 {"photographs", photographs}};
+    if (check.surface)
+        all["surface"] = {{"supported", check.surface->supported},
+                          {"in_free_space", check.surface->in_free_space},
+                          {"unknown", check.surface->unknown}};
     if (masked) all["overlap"] = check.overlap;
     fmt::print("{}\n", all.dump(2));
 }
 
 void add_check_mesh(CommandLine& parent) {
     struct Options {
-        std::string mesh, model, images, masks;
+        std::string mesh, model, depths, images, masks;
         bool json = false, go_on = false;
     };
     auto o = std::make_shared<Options>();
     CommandLine& command =
-        parent.add_command("check-mesh", "whether a mesh is where the calibration's points and the masks are");
+        parent.add_command("check-mesh", "whether a mesh is where the calibration's points, depths and masks are");
     command.add_text("mesh", o->mesh, "PLY or OBJ in the model's frame").required();
     command.add_text("--model", o->model, model_help).required();
+    command.add_text("--depths", o->depths,
+                     "folder that `capture depths` wrote: tells flaps in front of what photographs see");
     command.add_text("--images", o->images, "folder of the photographs; with --masks");
     command.add_text("--masks", o->masks, "folder of masks of the undistorted photographs, white = object");
     command.add_flag("--go-on", o->go_on, "only warn of what is poor");
     add_json(command, o->json);
     command.on_run([=] {
         require_images(o->images, o->masks);
-        const MeshCheck check = check_mesh(o->mesh, o->model, o->images, o->masks);
+        const MeshCheck check = check_mesh(
+            {.mesh = o->mesh, .model = o->model, .depths = o->depths, .images = o->images, .masks = o->masks});
         judge(check.poor, o->go_on);
         print_mesh(check, !o->masks.empty(), o->json);
     });
+}
+
+void add_preview(CommandLine& parent) {
+    auto o = std::make_shared<PreviewInput>();
+    auto out = std::make_shared<std::string>();
+    CommandLine& command = parent.add_command(
+        "preview", "a picture of three photographs above what is known of the object: points, or a mesh");
+    command.add_text("--model", o->model, model_help).required().input();
+    command.add_text("--images", o->images, "folder of the undistorted photographs").required().input();
+    command.add_text("--mesh", o->mesh, "PLY or OBJ in the model's frame; else the model's points are drawn").input();
+    command.add_text("-o,--output", *out, "PNG").required().idle();
+    command.writes([=] { return std::vector{OutputTarget{.path = *out}}; });
+    command.on_run([=] { write_preview(*o, *out); });
 }
 
 }  // namespace
 
 void add_capture(CommandLine& program) {
     CommandLine& command = program.add_command("capture", "steps from photographs to a mesh, and how good each is");
-    for (const auto add : {add_check_model, add_depths, add_cut_mesh, add_masks, add_check_mesh}) add(command);
+    for (const auto add : {add_check_model, add_depths, add_cut_mesh, add_masks, add_check_mesh, add_preview})
+        add(command);
 }
 
 }  // namespace radiafit::tools

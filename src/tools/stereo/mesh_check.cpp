@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/wording.h"
 #include "capture/colmap.h"
 #include "capture/colmap_points.h"
 #include "capture/coverage.h"
@@ -15,6 +16,9 @@
 #include "geometry/mesh_part.h"
 #include "geometry/raster.h"
 #include "stereo/masks.h"
+#include "stereo/mesh_border.h"
+#include "stereo/stereo_folder.h"
+#include "stereo/vertex_evidence.h"
 
 namespace radiafit::tools {
 namespace fs = std::filesystem;
@@ -22,6 +26,7 @@ namespace {
 
 constexpr double largest_distance = 0.005, near_distance = 0.01;  // of the diagonal
 constexpr double least_share = 0.03, least_overlap = 0.7;
+constexpr double most_in_free_space = 0.02;  // of the area
 
 double median(std::vector<double> values) {
     if (values.empty()) return 0;
@@ -48,6 +53,40 @@ std::vector<double> distances(const Mesh& mesh, const Camera& camera, const std:
     return found;
 }
 
+/// Lines of border edges that hang together.
+size_t count_borders(const Mesh& mesh) {
+    // as a mesh of triangles without area, whose pieces are counted
+    Mesh lines{mesh.positions, {}};
+    std::vector<uint8_t> on_border(mesh.vertex_count(), 0);
+    for (const auto& [a, b] : border_edges(mesh)) lines.triangles.push_back({a, b, b}), on_border[a] = on_border[b] = 1;
+    const std::vector<uint32_t> piece = pieces_of(lines);
+    size_t count = 0;
+    for (uint32_t v = 0; v < piece.size(); ++v) count += on_border[v] && piece[v] == v;
+    return count;
+}
+
+MeshCheck::Surface look_at_surface(const Mesh& mesh, const std::vector<PlaneMap>& maps) {
+    constexpr double tolerance = 0.01;  // of depths, as of cut_mesh()
+    constexpr int least = 2;
+    const std::vector<std::vector<uint8_t>> no_masks(maps.size());
+    const VertexEvidence evidence = evidence_of(mesh, maps, no_masks, tolerance);
+    MeshCheck::Surface out;
+    double area = 0;
+    for (const auto& t : mesh.triangles) {
+        const double own = (mesh.positions[t[1]] - mesh.positions[t[0]])
+                               .cross(mesh.positions[t[2]] - mesh.positions[t[0]])
+                               .cast<double>()
+                               .norm();
+        area += own;
+        for (const uint32_t v : t) {
+            const bool free = evidence.in_free_space(v), supported = evidence.supported[v] >= uint32_t(least);
+            (free ? out.in_free_space : supported ? out.supported : out.unknown) += own / 3;
+        }
+    }
+    for (double* share : {&out.supported, &out.in_free_space, &out.unknown}) *share /= std::max(area, 1e-300);
+    return out;
+}
+
 void find_what_is_poor(MeshCheck& check, bool masked) {
     const auto say = [&](std::string line) { check.poor.push_back(std::move(line)); };
     if (check.points == 0)
@@ -63,6 +102,12 @@ void find_what_is_poor(MeshCheck& check, bool masked) {
             fmt::format("the mesh covers {:.1f} % of the photographs in the median, less than {} %: go nearer, so that "
                         "the object fills the photographs, or give the mesh yourself",
                         100 * check.share, 100 * least_share));
+    if (check.surface && check.surface->in_free_space > most_in_free_space)
+        say(
+            fmt::format("{:.1f} % of the mesh's area is in front of what photographs see there, more than {} %: {}, or "
+                        "remove flaps and loose pieces in a mesh editor",
+                        100 * check.surface->in_free_space, 100 * most_in_free_space,
+                        at_command_line("cut it by `radiafit capture cut-mesh`", "cut it by cut_mesh()")));
     if (masked && check.overlap < least_overlap)
         say(
             fmt::format("mesh and masks agree on {:.0f} % of what either has in the median, less than {} %: in masks "
@@ -72,11 +117,11 @@ void find_what_is_poor(MeshCheck& check, bool masked) {
 
 }  // namespace
 
-MeshCheck check_mesh(const fs::path& file, const fs::path& folder, const fs::path& images, const fs::path& masks) {
-    const Calibration model = read_colmap(folder);
-    const std::vector<SparsePoint> points = read_colmap_points(folder, model);
-    const Mesh mesh = read_mesh_file(file).mesh;
-    const std::vector<fs::path> mask_files = find_mask_files(model, images, masks);
+MeshCheck check_mesh(const MeshCheckInput& input) {
+    const Calibration model = read_colmap(input.model);
+    const std::vector<SparsePoint> points = read_colmap_points(input.model, model);
+    const Mesh mesh = read_mesh_file(input.mesh).mesh;
+    const std::vector<fs::path> mask_files = find_mask_files(model, input.images, input.masks);
     const size_t count = model.images.size();
     std::vector<std::vector<Vec3d>> seen(count);
     for (const SparsePoint& point : points)
@@ -114,7 +159,14 @@ MeshCheck check_mesh(const fs::path& file, const fs::path& folder, const fs::pat
     check.near_share = all.empty() ? 0 : double(near) / double(all.size());
     check.share = median(shares);
     check.overlap = median(overlaps);
-    find_what_is_poor(check, !masks.empty());
+    const std::vector<uint32_t> piece = pieces_of(mesh);
+    std::vector<uint8_t> used(mesh.vertex_count(), 0);
+    for (const auto& t : mesh.triangles) used[piece[t[0]]] = 1;
+    check.pieces = size_t(std::ranges::count(used, 1));
+    check.borders = count_borders(mesh);
+    check.border_length = border_length(mesh) / diagonal;
+    if (!input.depths.empty()) check.surface = look_at_surface(mesh, read_planes(input.depths, model));
+    find_what_is_poor(check, !input.masks.empty());
     return check;
 }
 

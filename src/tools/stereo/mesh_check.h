@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,15 +18,30 @@ struct MeshCheck {
         double overlap = 0;  ///< with its mask: common pixels over all of both; 0 without masks
     };
     std::vector<Photograph> photographs;
+    size_t pieces = 0;         ///< that triangles connect
+    size_t borders = 0;        ///< lines of edges that have one triangle alone
+    double border_length = 0;  ///< of all, as a share of the diagonal
+    /// By the depths of photographs (stereo/vertex_evidence.h), shares of the area.
+    struct Surface {
+        double supported = 0;      ///< two photographs or more have it where it is
+        double in_free_space = 0;  ///< photographs see past it: flaps and debris
+        double unknown = 0;        ///< the rest
+    };
+    std::optional<Surface> surface;
     double share = 0;               ///< median over photographs
     double overlap = 0;             ///< median over photographs; 0 without masks
     std::vector<std::string> poor;  ///< see ModelCheck::poor
 };
 
-/// model: as of check_model(). masks: a folder (capture/mask_names.h) for the photographs in the folder `images`;
-/// empty: none. Poor are: a median distance above 0.5 % of the diagonal, a mesh that covers less than 3 % of the
-/// photographs, or an overlap with the masks below 0.7, medians all. Throws UserError.
-MeshCheck check_mesh(const std::filesystem::path& mesh, const std::filesystem::path& model,
-                     const std::filesystem::path& images, const std::filesystem::path& masks);
+/// What a mesh is held against.
+struct MeshCheckInput {
+    std::filesystem::path mesh, model;    ///< model: as of check_model()
+    std::filesystem::path depths;         ///< what compute_depths() wrote; empty: none
+    std::filesystem::path images, masks;  ///< masks (capture/mask_names.h) for photographs in `images`; empty: none
+};
+
+/// Poor are: a median distance above 0.5 % of the diagonal, a mesh that covers less than 3 % of the photographs, an
+/// overlap with the masks below 0.7, medians all; and more than 2 % of the area in free space. Throws UserError.
+MeshCheck check_mesh(const MeshCheckInput& input);
 
 }  // namespace radiafit::tools

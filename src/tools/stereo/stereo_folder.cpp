@@ -8,6 +8,7 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/read_file.h"
 #include "stereo/output_names.h"
 
@@ -97,6 +98,13 @@ PlaneMap read_planes(const fs::path& stereo, const std::string& name, const Came
         map.planes[i] = make_plane(ray, 1 / depths[i], normal / length);
     }
     return map;
+}
+
+std::vector<PlaneMap> read_planes(const fs::path& stereo, const Calibration& model) {
+    std::vector<PlaneMap> maps(model.images.size());
+    parallel_for(maps.size(), 1,
+                 [&](size_t i, int) { maps[i] = read_planes(stereo, model.images[i].name, model.images[i].camera); });
+    return maps;
 }
 
 }  // namespace radiafit::tools

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/calibration.h"
 #include "stereo/plane_map.h"
 
 /// Depth and normal maps in the folder `stereo` of a COLMAP workspace, as `colmap patch_match_stereo` writes and
@@ -20,5 +21,7 @@ void write_fusion_list(const std::filesystem::path& stereo, const std::vector<st
 /// Reads both maps. Throws UserError that names the file: missing, malformed, cut, of another size than the camera, a
 /// depth that is negative or not finite, a normal that does not face the camera.
 PlaneMap read_planes(const std::filesystem::path& stereo, const std::string& name, const Camera& camera);
+/// Those of all photographs of a model.
+std::vector<PlaneMap> read_planes(const std::filesystem::path& stereo, const Calibration& model);
 
 }  // namespace radiafit::tools
