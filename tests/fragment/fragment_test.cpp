@@ -337,7 +337,8 @@ TEST(Fragment, EveryPassDeclaresItsCostAndItsInvocationsAreCounted) {
             const auto tallies = run.tallies();
             uint64_t tallied = 0, tiles = 0, texels = 0;
             for (const auto& [label, tally] : tallies) {
-                ASSERT_NE(tally.cost, nullptr) << label << " declares no cost";
+                EXPECT_NE(tally.cost, nullptr) << label << " declares no cost";
+                if (!tally.cost) continue;
                 EXPECT_GT(tally.fragments, 0u) << label;
                 EXPECT_GT(tally.written_bytes, tally.fragments) << label;
                 EXPECT_GE(tally.written_bytes, tally.blended_bytes) << label;
