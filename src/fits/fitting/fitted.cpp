@@ -56,7 +56,9 @@ Contestant contestant_of(Fitted& f) {
 }
 
 std::shared_ptr<const SafeViews> safe_views_of(Fitted& f) {
-    return std::visit([&](const auto& m) { return safe_views_of(m, f.dataset()); }, f.model);
+    if (f.bounds.of != &f)
+        f.bounds = {&f, std::visit([&](const auto& m) { return safe_views_of(m, f.dataset()); }, f.model)};
+    return f.bounds.views;
 }
 
 Fitted baseline_of(Fitted& f) {

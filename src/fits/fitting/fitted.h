@@ -77,6 +77,11 @@ private:
 struct Fitted {
     std::variant<FittedLightField, FittedReflectance, FittedViewBasis, FittedSg, FittedLightBasis> model;
     FittedDataset data;
+    /// Of safe_views_of(), once it was called: they are of the fit where it was then.
+    struct {
+        const Fitted* of = nullptr;
+        std::shared_ptr<const SafeViews> views = {};
+    } bounds = {};
 
     FitRecord& record();
     const FitRecord& record() const;
