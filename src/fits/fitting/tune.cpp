@@ -126,7 +126,8 @@ private:
         const std::string name = command_line_of(setting);
         if (was_tried(name)) return;
         double& expected = seconds_[setting.front().second];
-        if (!all_.empty() && clock_.wall_s() + expected + reserved() > options_.seconds) {
+        const double kept = expected > 0 ? reserved() : 0;  // a model's first fit comes before
+        if (!all_.empty() && clock_.wall_s() + expected + kept > options_.seconds) {
             const auto same = [&](const UntriedSetting& s) { return command_line_of(s.setting) == name; };
             if (std::ranges::none_of(left_out_, same)) left_out_.push_back({setting, expected});
             return;
@@ -152,10 +153,10 @@ private:
 
     /// Seconds that are kept for weigh_off_photographs().
     double reserved() const {
-        if (dataset_.light_moves() || seconds_.size() < 2) return 0;
         double sum = 0;
-        for (const auto& [model, seconds] : seconds_) sum += seconds;
-        return std::min(sum, options_.seconds / 3);
+        int models = 0;
+        for (const auto& [model, seconds] : seconds_) sum += seconds, models += seconds > 0;
+        return dataset_.light_moves() || models < 2 ? 0 : std::min(sum, options_.seconds / 3);
     }
 
     /// Fits the best setting of each model that is near the best one, without the views around some, and judges it

@@ -58,7 +58,8 @@ std::string describe_left_out(const Tuned& tuned, double given_seconds) {
     std::vector<std::string> each;
     for (const UntriedSetting& s : tuned.left_out) {
         seconds += s.seconds;
-        each.push_back(fmt::format("{} (about {})", command_line_of(s.setting), duration(s.seconds)));
+        const std::string about = s.seconds > 0 ? fmt::format(" (about {})", duration(s.seconds)) : "";
+        each.push_back(command_line_of(s.setting) + about);
     }
     return fmt::format("left out for want of time: {}; --seconds {:.0f} would try {}", fmt::join(each, ", "),
                        10 * std::ceil(seconds / 10), each.size() == 1 ? "it" : "them");
