@@ -180,11 +180,11 @@ TEST_F(Pot, HasNoGroundWhereItHangsLiesOrIsATray) {
         return part_of_triangles(mesh, keep);
     };
     EXPECT_FALSE(find_ground(is_high(truth_), cameras_, region_));
-    // Heights over a square of side 2.
-    const auto board = [](const std::function<double(double, double)>& height) {
+    // Heights over a square.
+    const auto board = [](const std::function<double(double, double)>& height, double half = 1.5) {
         Mesh mesh;
-        add_sheet(mesh, 100, 100, [&](double i, double j) -> Vec3d {
-            const double x = 2 * j - 1, y = 2 * i - 1;
+        add_sheet(mesh, 120, 120, [&](double i, double j) -> Vec3d {
+            const double x = half * (2 * j - 1), y = half * (2 * i - 1);
             return {x, y, height(x, y)};
         });
         return mesh;
@@ -200,6 +200,15 @@ TEST_F(Pot, HasNoGroundWhereItHangsLiesOrIsATray) {
     const SearchBall region = region_of(around, 1.2);
     const auto bump = [](double x, double y) { return std::max(0.0, 0.6 - 1.2 * std::hypot(x, y)); };
     EXPECT_TRUE(find_ground(board(bump), around, region));
+    std::vector<Camera> on_their_side = around;
+    for (Camera& c : on_their_side) {
+        const Mat3d turn = Eigen::AngleAxisd(1.5707963267949, Vec3d::UnitZ()).toRotationMatrix();
+        c.cam_from_world_rotation = turn * c.cam_from_world_rotation;
+        c.cam_from_world_translation = turn * c.cam_from_world_translation;
+    }
+    EXPECT_TRUE(find_ground(board(bump), on_their_side, region));
+    // A plinth, or a panel, with nothing reconstructed beneath it.
+    EXPECT_FALSE(find_ground(board(bump, 0.9), around, region));
     // A low relief, in the middle of which the cameras' axes meet.
     const SearchBall at_relief{Vec3d(0, 0, 0.02), region.radius};
     EXPECT_FALSE(
@@ -207,7 +216,7 @@ TEST_F(Pot, HasNoGroundWhereItHangsLiesOrIsATray) {
                     around, at_relief));
     // A tray with a rim all around.
     EXPECT_FALSE(
-        find_ground(board([](double x, double y) { return std::max(std::abs(x), std::abs(y)) > 0.8 ? 0.5 : 0.0; }),
+        find_ground(board([](double x, double y) { return std::max(std::abs(x), std::abs(y)) > 0.9 ? 0.5 : 0.0; }),
                     around, region));
     // A wall with something before it: cameras that stand upright look at it along the ground.
     std::vector<Camera> before;
@@ -215,6 +224,30 @@ TEST_F(Pot, HasNoGroundWhereItHangsLiesOrIsATray) {
         before.push_back(
             Camera::look_at({2 * std::sin(i - 3.5), 0.3 * i, 5}, {0, 0, 0.25}, Vec3d::UnitY(), 0.5, 60, 60));
     EXPECT_FALSE(find_ground(board(bump), before, region_of(before, 1.2)));
+}
+
+TEST_F(Pot, OfWhatStandsOnTheGroundAllButDebrisStays) {
+    Mesh mesh = truth_;
+    const auto add = [&](const Mesh& other) {
+        const auto first = uint32_t(mesh.vertex_count());
+        mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
+        for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
+    };
+    add(sphere_mesh({-0.9, -0.6, 0.5}, 0.25, 30, 60));  // above the table, joined to nothing
+    add(sphere_mesh({-0.9, 0.6, 0.5}, 0.02, 8, 16));
+    CutReport report;
+    CutOptions options;
+    options.support = 0;
+    std::vector<PlaneMap> maps;
+    for (const Camera& camera : cameras_) maps.push_back(true_planes(truth_, camera));
+    const Mesh cut = cut_mesh(mesh, maps, std::vector<std::vector<uint8_t>>(maps.size()), region_, options, report);
+    const auto is_ball = [](double y) {
+        return [y](const Vec3d& p) { return (p - Vec3d(-0.9, y, 0.5)).norm() < 0.3; };
+    };
+    EXPECT_NEAR(area_of(cut, is_ball(-0.6)), 4 * 3.14159 * 0.0625, 0.02);
+    EXPECT_EQ(area_of(cut, is_ball(0.6)), 0);
+    EXPECT_GT(report.apart, 100u);
+    EXPECT_GT(area_of(cut, [&](const Vec3d& p) { return scene_.distance_to_pot(p) < 0.005; }), 5);
 }
 
 TEST(MeshBorder, IsFoundCutAndSmoothed) {

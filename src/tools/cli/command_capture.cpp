@@ -166,6 +166,7 @@ void add_cut_mesh(CommandLine& parent) {
             "front of what photographs see, {} that no depths support, {} apart\n",
             cut.triangle_count(), cut.vertex_count(), report.vertices, report.off_region, report.off_masks,
             report.in_free_space, report.unsupported, report.apart);
+        if (!report.ground && o->cut.ground != GroundRule::keep) fmt::print("no plane that it stands on was found\n");
         if (report.ground)
             fmt::print("{}; --ground keep leaves all of it\n", o->cut.ground == GroundRule::cut
                                                                    ? "the plane that it stands on is cut off"

@@ -79,33 +79,27 @@ GroundPlane refined(const GroundPlane& plane, const std::vector<Facet>& facets, 
     return {normal, normal.dot(centre)};
 }
 
-/// To how many of twelve sides the plane reaches well beyond what is above it, or to the region's end.
+/// To how many of twelve sides, as seen from the middle of what is above it, the plane goes on to near the region's
+/// end.
 int open_sides(const GroundPlane& plane, const std::vector<Facet>& facets, const SearchBall& region) {
     constexpr int sides = 12;
-    constexpr double beyond = 1.25, region_end = 0.85, least_cosine = 0.8;
+    constexpr double near_end = 0.75, least_cosine = 0.8;
     const double thickness = ground_thickness * region.radius;
     const Vec3d across = plane.normal.unitOrthogonal(), along = plane.normal.cross(across);
-    const auto is_above = [&](const Facet& f) { return plane.height(f.centre) > 3 * thickness; };
     Vec3d middle = Vec3d::Zero();
     double area = 0;
     for (const Facet& f : facets)
-        if (is_above(f)) middle += f.area * f.centre, area += f.area;
+        if (plane.height(f.centre) > 3 * thickness) middle += f.area * f.centre, area += f.area;
     middle /= area;
-    std::array<double, sides> object{}, ground{};
+    std::array<bool, sides> open{};
     for (const Facet& f : facets) {
-        const bool above = is_above(f);
-        if (!above && !on(plane, f, thickness, least_cosine)) continue;
+        if (!on(plane, f, thickness, least_cosine)) continue;
+        if ((f.centre - region.centre).norm() < near_end * region.radius) continue;
         const Vec3d from = f.centre - middle;
-        const double x = from.dot(across), y = from.dot(along);
-        const auto side = size_t(std::clamp(int((std::atan2(y, x) / std::numbers::pi + 1) / 2 * sides), 0, sides - 1));
-        double& reach = above ? object[side] : ground[side];
-        reach = std::max(reach, std::hypot(x, y));
-        // seen from the middle of the region it cannot go on much farther
-        if (!above && (f.centre - region.centre).norm() > region_end * region.radius) ground[side] = INFINITY;
+        const double turn = std::atan2(from.dot(along), from.dot(across)) / std::numbers::pi;  // -1 to 1
+        open[size_t(std::clamp(int((turn + 1) / 2 * sides), 0, sides - 1))] = true;
     }
-    int open = 0;
-    for (size_t s = 0; s < sides; ++s) open += ground[s] > beyond * object[s];
-    return open;
+    return int(std::ranges::count(open, true));
 }
 
 bool is_ground(const GroundPlane& plane, const std::vector<Facet>& facets, std::span<const Camera> cameras,
@@ -124,10 +118,14 @@ bool is_ground(const GroundPlane& plane, const std::vector<Facet>& facets, std::
     const double all = total_area(facets);
     const auto cameras_above =
         std::ranges::count_if(cameras, [&](const Camera& c) { return plane.height(c.center()) > 0; });
-    Vec3d up = Vec3d::Zero();
-    for (const Camera& c : cameras) up -= c.cam_from_world_rotation.row(1).transpose() / double(cameras.size());
+    double up = 0;  // photographs may be stored on their side
+    for (const int row : {0, 1}) {
+        Vec3d mean = Vec3d::Zero();
+        for (const Camera& c : cameras) mean += c.cam_from_world_rotation.row(row).transpose() / double(cameras.size());
+        up = std::max(up, std::abs(mean.dot(plane.normal)));
+    }
     return on_it >= least_on * all && below <= most_below * all && above >= least_above * all &&
-           double(cameras_above) >= least_cameras * double(cameras.size()) && up.dot(plane.normal) >= least_up &&
+           double(cameras_above) >= least_cameras * double(cameras.size()) && up >= least_up &&
            plane.height(region.centre) >= least_middle * region.radius &&
            open_sides(plane, facets, region) >= least_open_sides;
 }
@@ -179,25 +177,24 @@ std::optional<GroundPlane> find_ground(const Mesh& mesh, std::span<const Camera>
     return {};
 }
 
-Mesh with_ground(const Mesh& mesh, const GroundPlane& ground, const SearchBall& region, GroundRule rule) {
-    const double thickness = ground_thickness * region.radius;
-    if (rule == GroundRule::keep) return mesh;
-    constexpr double least_piece = 0.1;  // of the largest one's area
-    const Mesh object = large_pieces(clipped(mesh, heights(mesh, ground, thickness)), least_piece);
-    if (rule == GroundRule::cut) return object;
+Mesh above_ground(const Mesh& mesh, const GroundPlane& ground, const SearchBall& region) {
+    return clipped(mesh, heights(mesh, ground, ground_thickness * region.radius));
+}
+
+Mesh within_disc(const Mesh& mesh, const GroundPlane& ground, const Mesh& object) {
     constexpr double wider = 1.15;
+    if (object.positions.empty()) return mesh;
     const auto in_plane = [&](const Vec3f& p) -> Vec3d {
         const Vec3d x = p.cast<double>();
         return x - ground.height(x) * ground.normal;
     };
-    if (object.positions.empty()) return mesh;
     Vec3d middle = Vec3d::Zero();
     for (const Vec3f& p : object.positions) middle += in_plane(p) / double(object.vertex_count());
     double radius = 0;
     for (const Vec3f& p : object.positions) radius = std::max(radius, (in_plane(p) - middle).norm());
     std::vector<double> within;
     for (const Vec3f& p : mesh.positions) within.push_back(wider * radius - (in_plane(p) - middle).norm());
-    return large_pieces(clipped(mesh, within), least_piece);
+    return clipped(mesh, within);
 }
 
 }  // namespace radiafit::tools

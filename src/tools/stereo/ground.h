@@ -28,15 +28,17 @@ inline constexpr double ground_thickness = 0.01;
 
 /// The plane that the object stands on, where all this holds:
 /// - a tenth of the mesh's area or more lies on it, at most 3 % below, and 15 % or more well above;
-/// - 95 % of the cameras are above it, and in the mean up in their pictures is up from it, so that a wall behind an
-/// object is none;
+/// - 95 % of the cameras are above it, and one side of their pictures is in the mean up from it, so that a wall behind
+/// an object is
+///   none;
 /// - the middle of where the cameras look is above it, so that a relief that lies flat has none;
-/// - to half of the sides it reaches a quarter beyond what is above it, or to the region's end, so that the floor of a
-/// tray is none. Found by drawn triangles (RANSAC, Fischler and Bolles 1981) and least squares.
+/// - to half of the sides it goes on to near the region's end, so that a plinth, a panel and the floor of a tray are
+/// none. Found by drawn triangles (RANSAC, Fischler and Bolles 1981) and least squares.
 std::optional<GroundPlane> find_ground(const Mesh& mesh, std::span<const Camera> cameras, const SearchBall& region);
 
-/// The mesh with the ground as the rule says. Of what the ground held together, pieces with less than a tenth of the
-/// largest one's area go.
-Mesh with_ground(const Mesh& mesh, const GroundPlane& ground, const SearchBall& region, GroundRule rule);
+/// What is above it.
+Mesh above_ground(const Mesh& mesh, const GroundPlane& ground, const SearchBall& region);
+/// What is above or beneath a disc that is a little wider than the object.
+Mesh within_disc(const Mesh& mesh, const GroundPlane& ground, const Mesh& object);
 
 }  // namespace radiafit::tools

@@ -1,6 +1,9 @@
 #include "stereo/mesh_cut.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "base/error.h"
@@ -113,22 +116,31 @@ Mesh cut_mesh(const Mesh& mesh, std::span<const PlaneMap> maps, std::span<const 
     kept = without_holes(mesh, closed(mesh, kept, allowed, std::min(notches, options.close)), allowed, options.close);
     report.unsupported = count_of(allowed) - count_of(kept);
     Mesh part = part_of_vertices(mesh, kept);
-    const size_t before = part.vertex_count();
-    part = large_pieces(part, 1);
-    report.apart = before - part.vertex_count();
-    if (options.ground != GroundRule::keep) {
-        std::vector<Camera> cameras;
-        for (const PlaneMap& map : maps) cameras.push_back(map.camera);
-        if (const auto ground = find_ground(part, cameras, region)) {
-            report.ground = true;
-            part = with_ground(part, *ground, region, options.ground);
-        }
+    const auto keep_pieces = [&](const Mesh& of, double least_share) {
+        Mesh large = large_pieces(of, least_share);
+        report.apart += of.vertex_count() - large.vertex_count();
+        return large;
+    };
+    std::vector<Camera> cameras;
+    for (const PlaneMap& map : maps) cameras.push_back(map.camera);
+    const auto ground = options.ground == GroundRule::keep ? std::nullopt : find_ground(part, cameras, region);
+    if (ground) {
+        report.ground = true;
+        constexpr double least_object = 0.02;  // of the largest one's area: several may stand there
+        const Mesh object = keep_pieces(above_ground(part, *ground, region), least_object);
+        part =
+            options.ground == GroundRule::cut ? object : large_pieces(within_disc(part, *ground, object), least_object);
+    } else {
+        part = keep_pieces(part, 1);
     }
     part = with_smooth_border(part);
     if (part.triangles.empty())
-        throw UserError(
-            "nothing of the mesh is left: the depth maps, and the masks if there are any, agree with none of "
-            "it; give the mesh yourself, or more photographs that overlap");
+        throw UserError(fmt::format(
+            "nothing of the mesh is left: of {} vertices {} are far away, {} outside the masks, {} in front of "
+            "what photographs see, and {} are supported by fewer than {} of {} depth maps; give the mesh "
+            "yourself, or more photographs that overlap",
+            report.vertices, report.off_region, report.off_masks, report.in_free_space, report.unsupported,
+            options.support, maps.size()));
     return part;
 }
 

@@ -26,15 +26,15 @@ struct CutReport {
     size_t off_masks = 0;      ///< outside the masks
     size_t in_free_space = 0;  ///< where photographs see past them (stereo/vertex_evidence.h)
     size_t unsupported = 0;    ///< of the rest: seen where no, or too few, depth maps agree
-    size_t apart = 0;          ///< in smaller pieces
+    size_t apart = 0;          ///< in smaller pieces; of what stood on the ground, below 2 % of the largest one's area
     bool ground = false;       ///< a plane that the object stands on was found, and the rule carried out
 };
 
 /// The part of a mesh that is the object: within the region and the masks, supported by depth maps, its largest piece
-/// by area, with the ground as the options say, and its border smoothed (stereo/mesh_border.h). Vertices that nothing
-/// supports stay where supported ones enclose them, `close` rings away at most, and in notches of two rings, unless
-/// photographs see past them. maps: [images], those of the model; masks: of its images, empty where there is none.
-/// Throws UserError where nothing is left.
+/// by area (of what stands on a ground that is cut off, all but debris), with the ground as the options say, and its
+/// border smoothed (stereo/mesh_border.h). Vertices that nothing supports stay where supported ones enclose them,
+/// `close` rings away at most, and in notches of two rings, unless photographs see past them. maps: [images], those of
+/// the model; masks: of its images, empty where there is none. Throws UserError where nothing is left.
 Mesh cut_mesh(const Mesh& mesh, std::span<const PlaneMap> maps, std::span<const std::vector<uint8_t>> masks,
               const SearchBall& region, const CutOptions& options, CutReport& report);
 

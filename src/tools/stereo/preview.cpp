@@ -1,5 +1,7 @@
 #include "stereo/preview.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -88,16 +90,23 @@ uint8_t byte_of(const ImageFile& image, size_t at) {
 }
 
 Picture photograph(const fs::path& file, const Camera& small) {
+    constexpr double most_difference = 0.02;  // of the sides' ratios
     ImageFile image = read_image(file, true);
+    const double ratio = double(image.width) / image.height * small.height / small.width;
+    if (std::abs(ratio - 1) > most_difference)
+        throw UserError(fmt::format(
+            "{}: {} x {} pixels, of another shape than the model's camera: give the undistorted photographs "
+            "that the model is of",
+            file.string(), image.width, image.height));
     image = scale_down(image, std::min(small.width, image.width), std::min(small.height, image.height));
     Picture out(small.width, small.height);
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) {
+    for (int y = 0; y < small.height; ++y)
+        for (int x = 0; x < small.width; ++x) {
+            const size_t pixel =
+                size_t(y * image.height / small.height) * size_t(image.width) + size_t(x * image.width / small.width);
             Rgb color;
-            for (size_t c = 0; c < 3; ++c) {
-                const size_t at = 3 * (size_t(y) * size_t(image.width) + size_t(x)) + c;
-                color[c] = image.bits == 8 ? image.rgb8[at] : byte_of(image, at);
-            }
+            for (size_t c = 0; c < 3; ++c)
+                color[c] = image.bits == 8 ? image.rgb8[3 * pixel + c] : byte_of(image, 3 * pixel + c);
             out.dot(x, y, color);
         }
     return out;
