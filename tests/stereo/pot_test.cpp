@@ -198,7 +198,7 @@ TEST_F(Pot, HasNoGroundWhereItHangsLiesOrIsATray) {
     };
     const std::vector<Camera> around = from(2.5, 4);
     const SearchBall region = region_of(around, 1.2);
-    const auto bump = [](double x, double y) { return std::max(0.0, 0.6 - 1.2 * std::hypot(x, y)); };
+    const auto bump = [](double x, double y) { return std::max(0.0, 0.9 - 1.2 * std::hypot(x, y)); };
     EXPECT_TRUE(find_ground(board(bump), around, region));
     std::vector<Camera> on_their_side = around;
     for (Camera& c : on_their_side) {
@@ -208,7 +208,7 @@ TEST_F(Pot, HasNoGroundWhereItHangsLiesOrIsATray) {
     }
     EXPECT_TRUE(find_ground(board(bump), on_their_side, region));
     // A plinth, or a panel, with nothing reconstructed beneath it.
-    EXPECT_FALSE(find_ground(board(bump, 0.9), around, region));
+    EXPECT_FALSE(find_ground(board(bump, 0.7), around, region));
     // A low relief, in the middle of which the cameras' axes meet.
     const SearchBall at_relief{Vec3d(0, 0, 0.02), region.radius};
     EXPECT_FALSE(
@@ -216,7 +216,7 @@ TEST_F(Pot, HasNoGroundWhereItHangsLiesOrIsATray) {
                     around, at_relief));
     // A tray with a rim all around.
     EXPECT_FALSE(
-        find_ground(board([](double x, double y) { return std::max(std::abs(x), std::abs(y)) > 0.9 ? 0.5 : 0.0; }),
+        find_ground(board([](double x, double y) { return std::max(std::abs(x), std::abs(y)) > 0.7 ? 0.5 : 0.0; }),
                     around, region));
     // A wall with something before it: cameras that stand upright look at it along the ground.
     std::vector<Camera> before;
