@@ -65,7 +65,7 @@ class SmallDisks:
         for step, size in enumerate(sizes):
             self.run_with(size, self.command.states()[step % len(self.command.states())], self.command.forced())
         if self.command.forced() and self.mounting:
-            self.run_with(sizes[0], self.command.replaces, ())
+            self.run_with(sizes[0], True, ())
         return self.tally
 
     def run_with(self, size, older, more):
@@ -139,11 +139,11 @@ class FullStreams:
     def run(self):
         with open("/dev/full", "w", encoding="utf-8") as full:
             place = self.scene.place()
-            place.fill(self.command, older=self.command.replaces)
+            place.fill(self.command, older=True)
             status, _ = place.run(self.command, stderr=full)
             violations = judge_end(place, self.command, status, "") if status == 0 else [f"exit status {status}"]
             self.tally.add(True, violations, "standard error")
-            place.fill(self.command, older=self.command.replaces)
+            place.fill(self.command, older=True)
             status, said = place.run(self.command, stdout=full)
             violations = place.verdict(self.command).problems
             if status != 0 and (complaint(status, said) or "standard output" not in said):

@@ -13,11 +13,11 @@ import re
 
 from decode import Cut, check_whole
 
-MARKERS = ("dataset.json", "fit.json", "records.json", "run.json", "info.json", "base_colour.png", "index.html", "fusion.cfg")
+MARKERS = ("dataset.json", "fit.json", "records.json", "run.json", "solution.json", "info.json", "base_colour.png", "index.html", "fusion.cfg")
 MADE_BY = ".radiafit-made.json"  # in an output: which command made it
 WORD = rb"radiafit_made_by_[a-z_-]+_[0-9a-f]{16}"  # in a file, likewise; in a PNG a chunk, with a checksum behind it
 CHUNK = re.compile(rb"....tEXtSoftware\0[a-z_]*" + WORD + rb"....", re.S)
-VOLATILE = ("times_s", "provenance")  # of fit.json: times, and the machine
+VOLATILE = ("times_s", "seconds", "provenance")  # of fit.json and solution.json: times, and the machine
 
 
 def outputs(place):
@@ -65,7 +65,7 @@ def without_times(name, data, measured):
     """What two equal runs have in common. `measured`: the output of an experiment, whose rows are times."""
     if measured:
         return (table(data)[0], len(table(data))) if name.endswith(".csv") else "whole"
-    if name == "fit.json":
+    if name in ("fit.json", "solution.json"):
         return {key: value for key, value in json.loads(data).items() if key not in VOLATILE}
     if name == "trace.csv":
         rows = table(data)
