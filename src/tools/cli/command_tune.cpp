@@ -91,7 +91,7 @@ void print_table(const std::string& name, const Dataset& dataset, const Tuned& t
         fmt::print("models that do not take all options given: {}\n", fmt::join(tuned.models_left_out, ", "));
     fmt::print("{}\n", describe_left_out(tuned, options.seconds));
     if (tuned.off_left_out)
-        fmt::print("models were not compared off the photographs, for which {} were missing\n",
+        fmt::print("models were not compared off the photographs, which would take about {}\n",
                    duration(*tuned.off_left_out));
     fmt::print("\n");
     // A name of its own: DATASET-fit is what the README calls the default fit.
