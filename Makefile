@@ -72,7 +72,7 @@ check:
 	@$(MAKE) --no-print-directory sanitized PRESET=asan BUILD=build/asan
 	@$(MAKE) --no-print-directory sanitized PRESET=tsan BUILD=build/tsan
 
-# The OpenGL suite on llvmpipe under a graphics chip's name, and the second OpenGL below Vulkan's validation layers.
+# The OpenGL suite on llvmpipe under a graphics chip's name, the second OpenGL below Vulkan's validation layers, and a mesh from made photographs.
 chip:
 	$(call configure,check,-DBUILD_TESTING=ON)
 	@$(compile) --target test_programs
