@@ -99,20 +99,25 @@ double border_length(const Mesh& mesh) {
     return length;
 }
 
-std::vector<uint32_t> pieces_of(const Mesh& mesh) {
-    std::vector<uint32_t> parent(mesh.vertex_count());
+std::vector<uint32_t> connected(size_t vertices, std::span<const std::array<uint32_t, 2>> edges) {
+    std::vector<uint32_t> parent(vertices);
     std::iota(parent.begin(), parent.end(), 0u);
     const auto root = [&](uint32_t v) {
         while (parent[v] != v) v = parent[v] = parent[parent[v]];
         return v;
     };
-    for (const auto& t : mesh.triangles)
-        for (int k = 1; k < 3; ++k) {
-            const uint32_t a = root(t[0]), b = root(t[size_t(k)]);
-            parent[std::max(a, b)] = std::min(a, b);
-        }
+    for (const auto& [from, to] : edges) {
+        const uint32_t a = root(from), b = root(to);
+        parent[std::max(a, b)] = std::min(a, b);
+    }
     for (uint32_t v = 0; v < parent.size(); ++v) parent[v] = root(v);
     return parent;
+}
+
+std::vector<uint32_t> pieces_of(const Mesh& mesh) {
+    std::vector<std::array<uint32_t, 2>> edges;
+    for (const auto& [a, b, c] : mesh.triangles) edges.insert(edges.end(), {{a, b}, {a, c}});
+    return connected(mesh.vertex_count(), edges);
 }
 
 Mesh part_of_triangles(const Mesh& mesh, std::span<const uint8_t> keep) {

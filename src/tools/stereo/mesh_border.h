@@ -15,6 +15,8 @@ std::vector<std::array<uint32_t, 2>> border_edges(const Mesh& mesh);
 /// Sum of the lengths of border_edges().
 double border_length(const Mesh& mesh);
 
+/// For each of so many vertices the least vertex that edges connect it with, itself included.
+std::vector<uint32_t> connected(size_t vertices, std::span<const std::array<uint32_t, 2>> edges);
 /// For each vertex the least vertex of the piece that it belongs to: what triangles connect.
 std::vector<uint32_t> pieces_of(const Mesh& mesh);
 

@@ -17,6 +17,7 @@
 #include "geometry/raster.h"
 #include "stereo/masks.h"
 #include "stereo/mesh_border.h"
+#include "stereo/mesh_cut.h"
 #include "stereo/stereo_folder.h"
 #include "stereo/vertex_evidence.h"
 
@@ -55,21 +56,17 @@ std::vector<double> distances(const Mesh& mesh, const Camera& camera, const std:
 
 /// Lines of border edges that hang together.
 size_t count_borders(const Mesh& mesh) {
-    // as a mesh of triangles without area, whose pieces are counted
-    Mesh lines{mesh.positions, {}};
-    std::vector<uint8_t> on_border(mesh.vertex_count(), 0);
-    for (const auto& [a, b] : border_edges(mesh)) lines.triangles.push_back({a, b, b}), on_border[a] = on_border[b] = 1;
-    const std::vector<uint32_t> piece = pieces_of(lines);
-    size_t count = 0;
-    for (uint32_t v = 0; v < piece.size(); ++v) count += on_border[v] && piece[v] == v;
-    return count;
+    const auto edges = border_edges(mesh);
+    const std::vector<uint32_t> line = connected(mesh.vertex_count(), edges);
+    std::vector<uint8_t> is_line(mesh.vertex_count(), 0);
+    for (const auto& edge : edges) is_line[line[edge[0]]] = 1;
+    return size_t(std::ranges::count(is_line, 1));
 }
 
 MeshCheck::Surface look_at_surface(const Mesh& mesh, const std::vector<PlaneMap>& maps) {
-    constexpr double tolerance = 0.01;  // of depths, as of cut_mesh()
-    constexpr int least = 2;
+    const CutOptions usual;  // of cut_mesh(), which is held to the same
     const std::vector<std::vector<uint8_t>> no_masks(maps.size());
-    const VertexEvidence evidence = evidence_of(mesh, maps, no_masks, tolerance);
+    const VertexEvidence evidence = evidence_of(mesh, maps, no_masks, usual.depth);
     MeshCheck::Surface out;
     double area = 0;
     for (const auto& t : mesh.triangles) {
@@ -79,7 +76,7 @@ MeshCheck::Surface look_at_surface(const Mesh& mesh, const std::vector<PlaneMap>
                                .norm();
         area += own;
         for (const uint32_t v : t) {
-            const bool free = evidence.in_free_space(v), supported = evidence.supported[v] >= uint32_t(least);
+            const bool free = evidence.in_free_space(v), supported = evidence.supported[v] >= uint32_t(usual.support);
             (free ? out.in_free_space : supported ? out.supported : out.unknown) += own / 3;
         }
     }

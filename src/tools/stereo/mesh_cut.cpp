@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -52,11 +54,11 @@ Marks without_holes(const Mesh& mesh, const Marks& kept, const Marks& allowed, i
         for (const auto& t : mesh.triangles)
             for (size_t k = 0; k < 3; ++k) visit(t[k], t[(k + 1) % 3]);
     };
-    Mesh holes{mesh.positions, {}};  // triangles without area join what edges join
+    std::vector<std::array<uint32_t, 2>> within;
     each_edge([&](uint32_t a, uint32_t b) {
-        if (in_hole(a) && in_hole(b)) holes.triangles.push_back({a, b, b});
+        if (in_hole(a) && in_hole(b)) within.push_back({a, b});
     });
-    const std::vector<uint32_t> piece = pieces_of(holes);
+    const std::vector<uint32_t> piece = connected(count, within);
     std::vector<double> closed_edges(count, 0), open_edges(count, 0);
     each_edge([&](uint32_t a, uint32_t b) {
         if (in_hole(a) == in_hole(b)) return;
@@ -66,13 +68,12 @@ Marks without_holes(const Mesh& mesh, const Marks& kept, const Marks& allowed, i
     for (const auto& [a, b] : border_edges(mesh))
         for (const uint32_t v : {a, b})
             if (in_hole(v)) open_edges[piece[v]] += 1;
+    for (uint32_t v = 0; v < count; ++v)
+        if (in_hole(v) && away[v] < 0) open_edges[piece[v]] = INFINITY;
     constexpr double most_open = 0.1;
     Marks filled = kept;
-    std::vector<uint8_t> deep(count, 0);
     for (uint32_t v = 0; v < count; ++v)
-        if (in_hole(v) && away[v] < 0) deep[piece[v]] = 1;
-    for (uint32_t v = 0; v < count; ++v)
-        if (in_hole(v) && !deep[piece[v]]) filled[v] = open_edges[piece[v]] <= most_open * closed_edges[piece[v]];
+        if (in_hole(v)) filled[v] = open_edges[piece[v]] <= most_open * closed_edges[piece[v]];
     return filled;
 }
 
@@ -93,11 +94,13 @@ Mesh cut_mesh(const Mesh& mesh, std::span<const PlaneMap> maps, std::span<const 
     VertexEvidence evidence = evidence_of(mesh, maps, masks, options.depth);
     Marks solid(count, 1);
     for (size_t v = 0; v < count; ++v) solid[v] = options.support == 0 || !evidence.in_free_space(v);
-    // A flap hides what is behind it, so that its support is seen without the flap.
-    Mesh without_flaps{mesh.positions, {}};
-    for (const auto& t : mesh.triangles)
-        if (solid[t[0]] && solid[t[1]] && solid[t[2]]) without_flaps.triangles.push_back(t);
-    evidence = evidence_of(without_flaps, maps, masks, options.depth);
+    if (count_of(solid) < count) {
+        // A flap hides what is behind it, so that its support is seen without the flap.
+        Mesh without_flaps{mesh.positions, {}};
+        for (const auto& t : mesh.triangles)
+            if (solid[t[0]] && solid[t[1]] && solid[t[2]]) without_flaps.triangles.push_back(t);
+        evidence = evidence_of(without_flaps, maps, masks, options.depth);
+    }
     report = {};
     report.vertices = count;
     Marks allowed(count, 0), kept(count, 0);
