@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "failing_gl.h"
 #include "gauss.h"
 #include "geometry/direction_hull.h"
 #include "lightbasis/choose_kernel.h"
@@ -351,6 +352,15 @@ TEST(LightBasis, IsSolvedOnTheDeviceAsOnTheCpu) {
 TEST(LightBasis, IsSolvedOnTheDeviceAsOnTheCpuWhereCamerasMove) {
     SharedContext::use();
     check_engines_agree(Gloss(60), true);
+}
+
+TEST(LightBasis, EveryAllocationThatFailsIsTold) {
+    SharedContext::use();
+    const Relief relief(8, 0.8f);
+    const LightBasis basis = learn_light_basis(relief.dataset, relief.atlas(), relief.views, relief,
+                                               {.rank = 4, .noise = 1e-3, .blocks = 2, .rounds = 1});
+    const TexelLightReader reader(relief.dataset, relief.atlas(), relief.views, basis);
+    EXPECT_GE(fail_each_allocation([&] { solve_on_device(relief.atlas(), relief, reader, basis); }), 4);
 }
 
 TEST(LightBasis, IsTheSameForAnyNumberOfThreads) {
