@@ -73,6 +73,9 @@ for damage, *words in (
 ):  # fmt: skip
     rows.append((check_model(), damage, 2, *words, "--go-on goes on all the same"))
     rows.append((check_model(more="--go-on"), damage, 0, "3 of 3 photographs registered"))
+rows.append((cut_mesh().replace("new.ply", "new.obj"), None, 2, "new.obj: name a file that ends in .ply"))
+rows.append((cut_mesh().replace("new.ply", "new"), None, 2, "new: name a file that ends in .ply"))
+rows.append((preview().replace("new.png", "new.jpg"), None, 2, "new.jpg: name a file that ends in .png"))
 rows.append((check_mesh(), replace("photos/mesh.obj", "(?s)v.*?f", "v 9 9 9\nv 8 9 9\nv 9 8 9\nf"), 2, "photos/mesh.obj"))
 
 # Depths

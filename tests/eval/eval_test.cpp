@@ -350,7 +350,7 @@ TEST(Judge, ConstantDifferenceOnTheForegroundOnly) {
                           },
                           TargetSpace::stored};
     EXPECT_LT(judge(loud, dataset, Split::train).ape(), 1e-5);
-    const JudgedView view = judged_view(loud, dataset, 0);
+    const JudgedView view = ViewJudge(dataset).compare(loud, 0);
     const size_t first = size_t(std::find(view.foreground.begin(), view.foreground.end(), 1) - view.foreground.begin());
     const size_t background =
         size_t(std::find(view.foreground.begin(), view.foreground.end(), 0) - view.foreground.begin());
@@ -364,7 +364,8 @@ TEST(Judge, RendersAreClampedAndANaNIsAFailure) {
     EXPECT_EQ(judge(painter([](size_t, size_t) { return 7.0f; }), dataset, Split::test).ape(), 0.0);
     EXPECT_EQ(judge(painter([](size_t, size_t) { return -7.0f; }), dataset, Split::test).ape(), 255.0);
 
-    const JudgedView view = judged_view(painter([](size_t, size_t) { return 1.0f; }), dataset, dataset.split(true)[0]);
+    const JudgedView view =
+        ViewJudge(dataset).compare(painter([](size_t, size_t) { return 1.0f; }), dataset.split(true)[0]);
     const size_t pixel = size_t(std::find(view.foreground.begin(), view.foreground.end(), 1) - view.foreground.begin());
     for (const float bad : {NAN, INFINITY, -INFINITY}) {
         const JudgeResult result =
@@ -407,7 +408,7 @@ TEST(Judge, UserErrors) {
     Dataset away = dataset;
     for (View& view : away.views) view.camera.cx += 1e6;
     EXPECT_NE(user_error([&] { judge(gray, away, Split::test); }).find("sees the mesh"), std::string::npos);
-    EXPECT_NE(user_error([&] { judged_view(gray, dataset, 99); }).find("99"), std::string::npos);
+    EXPECT_NE(user_error([&] { ViewJudge(dataset).compare(gray, 99); }).find("99"), std::string::npos);
 }
 
 TEST(Judge, JsonHoldsTheFigures) {

@@ -153,6 +153,13 @@ TEST_F(Pot, WhatPhotographsSeePastIsCut) {
     EXPECT_LT(shown(mesh, truth_, cameras_).of_mesh, 0.9);
 }
 
+TEST_F(Pot, IsNotCutInsideOut) {
+    Mesh turned = truth_;
+    for (auto& t : turned.triangles) std::swap(t[1], t[2]);
+    CutReport report;
+    expect_in("the photographs show the back of the mesh", complaint([&] { cut(turned, GroundRule::keep, report); }));
+}
+
 TEST_F(Pot, StandsOnGroundThatIsCutOrKept) {
     CutReport report;
     const double table = 3.14159 * (std::pow(PotScene::table_radius, 2) - std::pow(PotScene::foot, 2));

@@ -155,6 +155,31 @@ private:
     std::vector<ErrorBar> bars_;
 };
 
+/// Those of all threads.
+class Benches {
+public:
+    Benches(const Dataset& dataset, int pixel_points)
+        : dataset_(&dataset),
+          pixel_points_(pixel_points),
+          as_stored_(without_gains(dataset)),
+          stream_(as_stored_, StreamSource::disk),
+          of_workers_(size_t(thread_count())) {}
+
+    Bench& of(int worker) {
+        auto& bench = of_workers_.at(size_t(worker));
+        if (!bench) bench = std::make_unique<Bench>(*dataset_, stream_.another(), pixel_points_);
+        return *bench;
+    }
+    const ImageStream& stream() const { return stream_; }
+
+private:
+    const Dataset* dataset_;
+    int pixel_points_;
+    Dataset as_stored_;
+    ImageStream stream_;
+    std::vector<std::unique_ptr<Bench>> of_workers_;
+};
+
 /// `parts`, if given, takes the errors of each part of the surface as well.
 ImageFigures figures(const JudgedView& judged, const View& view, Encoding encoding, const SurfaceParts* surface,
                      const std::vector<RasterPixel>& seen, const NearestTraining* nearest,
@@ -198,24 +223,20 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
             split == Split::test ? at_command_line("hold some out (import --holdout), or judge --split train",
                                                    "hold some out, or judge the train split")
                                  : at_command_line("judge --split test", "judge the test split")));
-    const Dataset as_stored = without_gains(dataset);
-    const ImageStream stream(as_stored, StreamSource::disk);
+    Benches benches(dataset, options.pixel_points);
     std::optional<NearestTraining> nearest;
-    if (options.by_angle && split != Split::train) nearest.emplace(dataset, stream);
-    std::vector<std::unique_ptr<Bench>> benches;
-    benches.resize(size_t(thread_count()));
+    if (options.by_angle && split != Split::train) nearest.emplace(dataset, benches.stream());
     result.images.resize(views.size());
     if (parts)
         for (const std::string& name : parts->names) result.parts.push_back({name, {}});
     std::vector<std::vector<PartFigures>> image_parts(views.size(), result.parts);
     parallel_for(views.size(), 1, [&](size_t i, int worker) {
-        auto& bench = benches.at(size_t(worker));
-        if (!bench) bench = std::make_unique<Bench>(dataset, stream.another(), options.pixel_points);
-        const JudgedView judged = bench->compare(contestant, views[i], worker);
-        result.images[i] = figures(judged, dataset.views[views[i]], dataset.encoding, parts, bench->seen(),
+        Bench& bench = benches.of(worker);
+        const JudgedView judged = bench.compare(contestant, views[i], worker);
+        result.images[i] = figures(judged, dataset.views[views[i]], dataset.encoding, parts, bench.seen(),
                                    nearest ? &*nearest : nullptr, image_parts[i]);
         if (options.ssim) result.images[i].ssim = ssim(judged);
-        result.images[i].error_bars = bench->error_bars(contestant, dataset.views[views[i]], judged);
+        result.images[i].error_bars = bench.error_bars(contestant, dataset.views[views[i]], judged);
         if (options.judged) options.judged();
     });
     for (const auto& of_image : image_parts)
@@ -235,21 +256,41 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
         (outside ? result.outside : result.inside).add(image.stored);
         result.outside_count += outside;
     }
-    if (result.stored.values == 0)
+    check_foreground(result.stored, dataset, split);
+    return result;
+}
+
+struct ViewJudge::State {
+    const Dataset& dataset;
+    Benches benches;
+};
+
+ViewJudge::ViewJudge(const Dataset& dataset, int pixel_points)
+    : state_(new State{dataset, Benches(dataset, pixel_points)}) {}
+ViewJudge::~ViewJudge() = default;
+
+JudgedView ViewJudge::compare(const Contestant& contestant, uint32_t view, int worker) {
+    const Dataset& dataset = state_->dataset;
+    if (view >= dataset.views.size())
+        throw UserError(fmt::format("{}: there is no view {}; choose 0 to {}", dataset.folder.string(), view,
+                                    dataset.views.size() - 1));
+    return state_->benches.of(worker).compare(contestant, view, worker);
+}
+
+void check_foreground(const ErrorSums& pooled, const Dataset& dataset, Split split) {
+    if (pooled.values == 0)
         throw UserError(
             fmt::format("{}: no pixel of the {} views sees the mesh inside its mask; check that mesh, "
                         "cameras and masks belong together",
                         dataset.folder.string(), to_string(split)));
-    return result;
 }
 
-JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view, int pixel_points,
-                       int worker) {
-    if (view >= dataset.views.size())
-        throw UserError(fmt::format("{}: there is no view {}; choose 0 to {}", dataset.folder.string(), view,
-                                    dataset.views.size() - 1));
-    const Dataset as_stored = without_gains(dataset);
-    return Bench(dataset, ImageStream(as_stored, StreamSource::disk), pixel_points).compare(contestant, view, worker);
+ErrorSums errors_of(const JudgedView& judged) {
+    ErrorSums sums;
+    for (size_t i = 0; i < judged.foreground.size(); ++i)
+        for (size_t c = 3 * i; c < 3 * i + 3 && judged.foreground[i]; ++c)
+            sums.add(double(judged.render[c]) - double(judged.photograph[c]));
+    return sums;
 }
 
 }  // namespace radiafit

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -101,9 +102,23 @@ struct JudgeResult {
 /// view, or no view of it has a foreground pixel.
 JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split split, const JudgeOptions& options = {});
 
-/// One view, as judge() compares it. worker: as Contestant's.
-JudgedView judged_view(const Contestant& contestant, const Dataset& dataset, uint32_t view,
-                       int pixel_points = as_photographed, int worker = 0);
+/// Views one by one, as judge() compares them. The dataset must outlive it.
+class ViewJudge {
+public:
+    explicit ViewJudge(const Dataset& dataset, int pixel_points = as_photographed);
+    ~ViewJudge();
+    /// worker: as Contestant's. Throws UserError for a view that is none.
+    JudgedView compare(const Contestant& contestant, uint32_t view, int worker = 0);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// Throws UserError where there are no errors, as the views of a split have no foreground.
+void check_foreground(const ErrorSums& pooled, const Dataset& dataset, Split split);
+/// Errors of all of a view's foreground, in the stored encoding.
+ErrorSums errors_of(const JudgedView& judged);
 
 /// Another method's figures on the same views.
 struct JudgedBeside {

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "base/parallel.h"
+#include "eval/shown_texels.h"
 #include "model/lfm_text.h"
 
 namespace radiafit {
@@ -62,30 +63,24 @@ void LfmRenderer::shade(const Camera& camera, const std::vector<RasterPixel>& pi
     rgb.assign(3 * pixels.size(), 0.0f);
     const Vec3d eye = camera.center();
     const size_t stride = layout_.stride();
-    const float* surface[3] = {};
-    const float* view[3] = {};
-    uint32_t triangle = no_triangle;  // neighbouring pixels mostly share one
-    const auto turn_to = [&](uint32_t to) {
-        if (to == triangle) return;
-        triangle = to;
+    ShownTexels<Lane> shown(pixels.size());
+    const auto colour_of = [&](uint32_t triangle, uint32_t local) {
+        Lane sum = Lane::Zero();
         for (uint32_t corner = 0; corner < 3; ++corner) {
-            surface[corner] = fit_->parameters.data() + layout_.map_offset(triangle, corner);
-            view[corner] = view_values(scratch, mesh_->triangles[triangle][corner], eye);
+            const float* surface = fit_->parameters.data() + layout_.map_offset(triangle, corner) + local * stride;
+            const float* view = view_values(scratch, mesh_->triangles[triangle][corner], eye);
+            for (size_t k = 0; k < stride; k += 4) sum = sum + Text::lfm_value(load(surface + k), load(view + k));
         }
+        return sum;
     };
     for (size_t i = 0; i < pixels.size(); ++i) {
         const RasterPixel& pixel = pixels[i];
         if (pixel.triangle == no_triangle) continue;
         const TexelMix mix = lookup_.at(pixel.triangle, pixel.b1, pixel.b2);
         Lane colour = Lane::Zero();
-        for (const auto& [of_triangle, local, weight] : mix.entries()) {
-            turn_to(of_triangle);
-            const size_t texel = local * stride;
-            Lane sum = Lane::Zero();
-            for (int corner = 0; corner < 3; ++corner)
-                for (size_t k = 0; k < stride; k += 4)
-                    sum = sum + Text::lfm_value(load(surface[corner] + texel + k), load(view[corner] + k));
-            colour = colour + weight * sum;
+        for (const auto& [triangle, local, weight] : mix.entries()) {
+            const uint32_t texel = triangle * atlas_.texels_per_tile() + local;
+            colour = colour + weight * shown.of(texel, [&] { return colour_of(triangle, local); });
         }
         for (int c = 0; c < 3; ++c) rgb[3 * i + size_t(c)] = colour[c];
     }

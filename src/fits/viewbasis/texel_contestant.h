@@ -1,16 +1,10 @@
 #pragma once
 #include "eval/contestant.h"
+#include "eval/shown_texels.h"
 #include "geometry/surface_lookup.h"
 #include "viewbasis/texel_views.h"
 
 namespace radiafit::fits {
-
-/// Neighbouring pixels mostly show the same texels: colours are kept, each at the place of its texel's last digits.
-struct ShownTexel {
-    uint32_t texel = no_texel;
-    Vec3f colour = Vec3f::Zero();
-};
-inline constexpr uint32_t shown_texels = 1u << 16;
 
 /// For fits that have colours by view direction in each texel: colour_of(texel, eye) is a texel's, seen from a camera.
 /// A pixel shows the mix of those texels that the look-up names. The atlas must outlive the contestant.
@@ -20,16 +14,14 @@ Contestant texel_contestant(const TriangleAtlas& atlas, SurfaceLookup lookup, Ta
                            const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int) {
         rgb.assign(3 * pixels.size(), 0.0f);
         const Vec3f eye = view.camera.center().cast<float>();
-        std::vector<ShownTexel> shown(shown_texels);
+        ShownTexels<Vec3f> shown(pixels.size());
         for (size_t i = 0; i < pixels.size(); ++i) {
             if (pixels[i].triangle == no_triangle) continue;
             const TexelMix mix = find.at(pixels[i].triangle, pixels[i].b1, pixels[i].b2);
             Vec3f colour = Vec3f::Zero();
             for (const auto& [triangle, local, weight] : mix.entries()) {
                 const uint32_t texel = triangle * atlas.texels_per_tile() + local;
-                ShownTexel& kept = shown[texel % shown_texels];
-                if (kept.texel != texel) kept = {texel, colour_of(texel, eye)};
-                colour += weight * kept.colour;
+                colour += weight * shown.of(texel, [&] { return colour_of(texel, eye); });
             }
             Vec3f::Map(&rgb[3 * i]) = colour;
         }

@@ -149,6 +149,7 @@ void add_cut_mesh(CommandLine& parent) {
     command.add_text("-o,--output", o->out, "PLY").required().idle();
     command.writes([=] { return std::vector{OutputTarget{.path = o->out}}; });
     command.on_run([=] {
+        require_ending(o->out, ".ply");
         require_images(o->images, o->masks);
         const Calibration model = read_colmap(o->model);
         const Mesh mesh = read_mesh_file(o->mesh).mesh;
@@ -265,7 +266,10 @@ void add_preview(CommandLine& parent) {
     command.add_text("--mesh", o->mesh, "PLY or OBJ in the model's frame; else the model's points are drawn").input();
     command.add_text("-o,--output", *out, "PNG").required().idle();
     command.writes([=] { return std::vector{OutputTarget{.path = *out}}; });
-    command.on_run([=] { write_preview(*o, *out); });
+    command.on_run([=] {
+        require_ending(*out, ".png");
+        write_preview(*o, *out);
+    });
 }
 
 }  // namespace

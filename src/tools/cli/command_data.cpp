@@ -118,6 +118,11 @@ void add_force(CommandLine& command, bool& force) {
     command.add_flag("--force", force, "go on though memory or disk will not suffice").idle();
 }
 
+void require_ending(const fs::path& file, const std::string& ending) {
+    if (file.extension() != ending)
+        throw UserError(fmt::format("{}: name a file that ends in {}", file.string(), ending));
+}
+
 void print_done(const std::string& output, bool json) {
     if (json) fmt::print("{}\n", json_text(Json{{"done_already", output}}, 2, NotUtf8::replace));
 }

@@ -58,7 +58,7 @@ std::vector<OwnFile> own_files(const fs::path& fit) {
 }
 
 void check_glb_target(const fs::path& file) {
-    if (file.extension() != ".glb") throw UserError(fmt::format("{}: name a file that ends in .glb", file.string()));
+    require_ending(file, ".glb");
     std::error_code error;
     if (fs::exists(fs::symlink_status(file, error)) && !is_our_glb(file))
         throw UserError(fmt::format("{}: is there, and is no glTF file of radiafit; choose another name or remove it",

@@ -42,15 +42,16 @@ class Views {
 public:
     Views(const RenderOptions& options, Fitted& fitted, Pictures& pictures)
         : options_(&options), fitted_(&fitted), pictures_(&pictures), fit_(shown_fit(options, fitted)) {
-        if (is_compared(options)) baseline_ = baseline_of(fitted);
+        if (!is_compared(options)) return;
+        baseline_ = baseline_of(fitted);
+        judge_.emplace(fitted.dataset(), options.points());
     }
 
     /// Adds the fit as a photograph shows it, and the sheet that compares the two; any thread.
     void add_photographed(const std::string& name, uint32_t view, int worker = 0) {
         const Dataset& dataset = fitted_->dataset();
-        const int points = options_->points();
-        const JudgedView judged = judged_view(fit_, dataset, view, points, worker);
-        const JudgedView trivial = judged_view(contestant_of(*baseline_), dataset, view, points, worker);
+        const JudgedView judged = judge_->compare(fit_, view, worker);
+        const JudgedView trivial = judge_->compare(contestant_of(*baseline_), view, worker);
         pictures_->add(name, in_exposure(picture(dataset.views[view], worker), judged.gain));
         pictures_->add_sheet(
             name, comparison_sheet(judged, &trivial, dataset.encoding),
@@ -72,6 +73,7 @@ private:
     Pictures* pictures_;
     Contestant fit_;
     std::optional<Fitted> baseline_;  ///< where pictures are compared
+    std::optional<ViewJudge> judge_;  ///< there, too
 };
 
 /// Of the files of one picture.

@@ -42,6 +42,9 @@ void add_json(CommandLine& command, bool& json);
 /// What --json says of an output that was there already, made by the same command.
 void print_done(const std::string& output, bool json);
 
+/// Throws UserError unless an output's name ends so.
+void require_ending(const std::filesystem::path& file, const std::string& ending);
+
 /// --force, of the commands that compare what they need with what is free.
 void add_force(CommandLine& command, bool& force);
 

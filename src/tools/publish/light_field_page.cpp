@@ -74,13 +74,14 @@ PageModel page_model_of(const LightFieldFit& fit, const Mesh& mesh) {
     if (fit.options.sides) page.sides = *fit.options.sides;
     page.shown = [&fit, &mesh, layout, terms](const std::vector<PageMap>& decoded) {
         const auto shown = std::make_shared<LightFieldFit>(fit);
-        for_each_map(terms, [&](size_t map, bool surface, int k, int c) {
-            if (surface)
-                take_surface_image(decoded[map].image, layout->atlas, layout->maps, k, c, *shown);
+        const auto change = [shown, layout, surface_maps = size_t(3 * terms)](size_t map, const PageMap& other) {
+            if (map < surface_maps)
+                take_surface_image(other.image, layout->atlas, layout->maps, int(map / 3), int(map % 3), *shown);
             else
-                take_view_image(decoded[map].image, layout->maps, k, *shown);
-        });
-        return ShownMaps{kept_alive(contestant_of(*shown, mesh), shown)};
+                take_view_image(other.image, layout->maps, int(map - surface_maps), *shown);
+        };
+        for (size_t map = 0; map < size_t(4 * terms); ++map) change(map, decoded[map]);
+        return ShownMaps{kept_alive(contestant_of(*shown, mesh), shown), change};
     };
     return page;
 }

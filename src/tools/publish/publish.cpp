@@ -113,6 +113,16 @@ Json scores_json(const PublishOutcome& o, double bytes_of_maps) {
             {"map_bytes", bytes_of_maps}};
 }
 
+/// Errors in one photograph, or in all: of the fit, of the page's maps, of the baseline.
+struct Scores {
+    ErrorSums fit = {}, shown = {}, baseline = {};
+    void add(const Scores& other) {
+        fit.add(other.fit);
+        shown.add(other.shown);
+        baseline.add(other.baseline);
+    }
+};
+
 /// Seconds that one thread takes.
 double seconds_of(const std::function<void()>& run) {
     const Stopwatch clock;
@@ -128,14 +138,14 @@ struct Work {
         double stepping = 0, coding = 0;     ///< a map
         size_t maps = 0, steps = 0;          ///< chosen_steps()
     };
-    /// chosen: how many views are pictures of the page; all: how many are judged.
-    Work(const Costs& c, size_t chosen, size_t all) {
+    /// chosen: how many views are pictures of the page; others: how many are judged besides.
+    Work(const Costs& c, size_t chosen, size_t others) {
         pictures = forecast.add(chosen, c.of_fit + c.of_baseline);
         effects = forecast.add(c.steps, effect * c.stepping);
         trials = forecast.add(1, double(c.maps) * (trial * c.stepping + c.coding * share_of_bands));
         compared = forecast.add(chosen, c.of_fit);
         coding = forecast.add(c.maps, c.coding);
-        judged = forecast.add(3 * all, (2 * c.of_fit + c.of_baseline) / 3);
+        judged = forecast.add(others, 2 * c.of_fit + c.of_baseline);
     }
 
     Forecast forecast;
@@ -182,7 +192,8 @@ double expected_seconds(size_t numbers, double view_seconds, size_t judged_views
     const double stepping = seconds_of([&] { stepped = stepped_map(noise, {usual_step, usual_step, usual_step}); });
     const double coding = seconds_of([&] { code_map(stepped); });
     const Work::Costs costs{view_seconds, view_seconds / 2, share * stepping, share * coding, 1, 1};
-    return Work(costs, 2 * size_t(options.views), judged_views).forecast.seconds_left();
+    const size_t chosen = size_t(options.views);
+    return Work(costs, 2 * chosen, judged_views - std::min(chosen, judged_views)).forecast.seconds_left();
 }
 
 PublishOutcome publish(Published fit, const PublishOptions& options) {
@@ -198,7 +209,9 @@ PublishOutcome publish(Published fit, const PublishOptions& options) {
     std::vector<uint32_t> chosen = spread(held_out, size_t(options.views));
     for (const uint32_t view : spread(dataset.split(false), size_t(options.views))) chosen.push_back(view);
     const std::vector<uint32_t> all = dataset.split(out.split == Split::test);
-    const Work work(costs_of(fit, all[all.size() / 2]), chosen.size(), all.size());
+    std::vector<uint32_t> others = all;
+    std::erase_if(others, [&](uint32_t view) { return std::ranges::count(chosen, view) > 0; });
+    const Work work(costs_of(fit, all[all.size() / 2]), chosen.size(), others.size());
     ForecastProgress progress("publish", work.forecast);
 
     Json json = {{"format", page_format},
@@ -215,12 +228,15 @@ PublishOutcome publish(Published fit, const PublishOptions& options) {
                  {"model", Json::parse(model_json(fit, page))},
                  {"directions", Json::parse(directions_json(fit))}};
     progress.begin(work.pictures);
+    ViewJudge judge(dataset);
+    std::vector<Scores> scores(dataset.views.size());
     std::vector<JudgedView> judged(chosen.size());
     std::vector<Page> pictures(chosen.size());
     std::vector<std::string> views(chosen.size());
     parallel_for(chosen.size(), 1, [&](size_t i, int worker) {
-        judged[i] = judged_view(fit.fit, dataset, chosen[i], as_photographed, worker);
-        const JudgedView baseline = judged_view(fit.baseline, dataset, chosen[i], as_photographed, worker);
+        judged[i] = judge.compare(fit.fit, chosen[i], worker);
+        const JudgedView baseline = judge.compare(fit.baseline, chosen[i], worker);
+        scores[chosen[i]] = {.fit = errors_of(judged[i]), .baseline = errors_of(baseline)};
         views[i] = view_json(fit, chosen[i], judged[i], baseline, pictures[i]);
         progress.advance();
     });
@@ -251,7 +267,9 @@ PublishOutcome publish(Published fit, const PublishOptions& options) {
         std::vector<ErrorSums> differences(chosen.size());
         progress.begin(work.compared);
         parallel_for(chosen.size(), 1, [&](size_t i, int worker) {
-            add_differences(judged[i], judged_view(shown, dataset, chosen[i], as_photographed, worker), differences[i]);
+            const JudgedView view = judge.compare(shown, chosen[i], worker);
+            scores[chosen[i]].shown = errors_of(view);
+            add_differences(judged[i], view, differences[i]);
             progress.advance();
         });
         ErrorSums sum;
@@ -281,13 +299,20 @@ PublishOutcome publish(Published fit, const PublishOptions& options) {
     double bytes = 0;
     for (const CodedMap& map : coded) bytes += double(map.bytes());
     progress.begin(work.judged);
-    const JudgeOptions told{.judged = [&] { progress.advance(); }};
-    const JudgeResult of_fit = judge(fit.fit, dataset, out.split, told);
-    out.photographs = of_fit.images.size();
-    out.psnr = of_fit.psnr();
-    out.shown_psnr = judge(shown, dataset, out.split, told).psnr();
-    out.baseline_psnr = judge(fit.baseline, dataset, out.split, told).psnr();
+    parallel_for(others.size(), 1, [&](size_t i, int worker) {
+        const uint32_t view = others[i];
+        scores[view] = {errors_of(judge.compare(fit.fit, view, worker)), errors_of(judge.compare(shown, view, worker)),
+                        errors_of(judge.compare(fit.baseline, view, worker))};
+        progress.advance();
+    });
     progress.finish();
+    Scores pooled;
+    for (const uint32_t view : all) pooled.add(scores[view]);
+    check_foreground(pooled.fit, dataset, out.split);
+    out.photographs = all.size();
+    out.psnr = pooled.fit.psnr();
+    out.shown_psnr = pooled.shown.psnr();
+    out.baseline_psnr = pooled.baseline.psnr();
 
     json.update(Json::parse(maps_json(fit.model, coded, page)));
     json["scores"] = scores_json(out, bytes);

@@ -68,6 +68,7 @@ MeshCheck::Surface look_at_surface(const Mesh& mesh, const std::vector<PlaneMap>
     const std::vector<std::vector<uint8_t>> no_masks(maps.size());
     const VertexEvidence evidence = evidence_of(mesh, maps, no_masks, usual.depth);
     MeshCheck::Surface out;
+    out.inside_out = evidence.inside_out();
     double area = 0;
     for (const auto& t : mesh.triangles) {
         const double own = (mesh.positions[t[1]] - mesh.positions[t[0]])
@@ -99,6 +100,7 @@ void find_what_is_poor(MeshCheck& check, bool masked) {
             fmt::format("the mesh covers {:.1f} % of the photographs in the median, less than {} %: go nearer, so that "
                         "the object fills the photographs, or give the mesh yourself",
                         100 * check.share, 100 * least_share));
+    if (check.surface && check.surface->inside_out) say(inside_out_text);
     if (check.surface && check.surface->in_free_space > most_in_free_space)
         say(
             fmt::format("{:.1f} % of the mesh's area is in front of what photographs see there, more than {} %: {}, or "

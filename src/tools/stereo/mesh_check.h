@@ -26,6 +26,7 @@ struct MeshCheck {
         double supported = 0;      ///< two photographs or more have it where it is
         double in_free_space = 0;  ///< photographs see past it: flaps and debris
         double unknown = 0;        ///< the rest
+        bool inside_out = false;   ///< photographs show its back
     };
     std::optional<Surface> surface;
     double share = 0;               ///< median over photographs
@@ -41,7 +42,8 @@ struct MeshCheckInput {
 };
 
 /// Poor are: a median distance above 0.5 % of the diagonal, a mesh that covers less than 3 % of the photographs, an
-/// overlap with the masks below 0.7, medians all; and more than 2 % of the area in free space. Throws UserError.
+/// overlap with the masks below 0.7, medians all; more than 2 % of the area in free space; and a mesh inside out.
+/// Throws UserError.
 MeshCheck check_mesh(const MeshCheckInput& input);
 
 }  // namespace radiafit::tools

@@ -92,6 +92,7 @@ Mesh cut_mesh(const Mesh& mesh, std::span<const PlaneMap> maps, std::span<const 
               const SearchBall& region, const CutOptions& options, CutReport& report) {
     const size_t count = mesh.vertex_count();
     VertexEvidence evidence = evidence_of(mesh, maps, masks, options.depth);
+    if (evidence.inside_out()) throw UserError(inside_out_text);
     Marks solid(count, 1);
     for (size_t v = 0; v < count; ++v) solid[v] = options.support == 0 || !evidence.in_free_space(v);
     if (count_of(solid) < count) {

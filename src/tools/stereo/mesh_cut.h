@@ -34,7 +34,8 @@ struct CutReport {
 /// by area (of what stands on a ground that is cut off, all but debris), with the ground as the options say, and its
 /// border smoothed (stereo/mesh_border.h). Vertices that nothing supports stay where supported ones enclose them,
 /// `close` rings away at most, and in notches of two rings, unless photographs see past them. maps: [images], those of
-/// the model; masks: of its images, empty where there is none. Throws UserError where nothing is left.
+/// the model; masks: of its images, empty where there is none. Throws UserError where nothing is
+/// left, and for a mesh inside out.
 Mesh cut_mesh(const Mesh& mesh, std::span<const PlaneMap> maps, std::span<const std::vector<uint8_t>> masks,
               const SearchBall& region, const CutOptions& options, CutReport& report);
 
