@@ -260,22 +260,14 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
     return result;
 }
 
-struct ViewJudge::State {
-    const Dataset& dataset;
-    Benches benches;
-};
-
 ViewJudge::ViewJudge(const Dataset& dataset, int pixel_points)
-    : state_(new State{dataset, Benches(dataset, pixel_points)}) {}
-ViewJudge::~ViewJudge() = default;
-
-JudgedView ViewJudge::compare(const Contestant& contestant, uint32_t view, int worker) {
-    const Dataset& dataset = state_->dataset;
-    if (view >= dataset.views.size())
-        throw UserError(fmt::format("{}: there is no view {}; choose 0 to {}", dataset.folder.string(), view,
-                                    dataset.views.size() - 1));
-    return state_->benches.of(worker).compare(contestant, view, worker);
-}
+    : compare_([&dataset, benches = std::make_shared<Benches>(dataset, pixel_points)](const Contestant& contestant,
+                                                                                      uint32_t view, int worker) {
+          if (view >= dataset.views.size())
+              throw UserError(fmt::format("{}: there is no view {}; choose 0 to {}", dataset.folder.string(), view,
+                                          dataset.views.size() - 1));
+          return benches->of(worker).compare(contestant, view, worker);
+      }) {}
 
 void check_foreground(const ErrorSums& pooled, const Dataset& dataset, Split split) {
     if (pooled.values == 0)

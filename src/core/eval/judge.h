@@ -1,6 +1,5 @@
 #pragma once
 #include <functional>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -106,13 +105,13 @@ JudgeResult judge(const Contestant& contestant, const Dataset& dataset, Split sp
 class ViewJudge {
 public:
     explicit ViewJudge(const Dataset& dataset, int pixel_points = as_photographed);
-    ~ViewJudge();
     /// worker: as Contestant's. Throws UserError for a view that is none.
-    JudgedView compare(const Contestant& contestant, uint32_t view, int worker = 0);
+    JudgedView compare(const Contestant& contestant, uint32_t view, int worker = 0) {
+        return compare_(contestant, view, worker);
+    }
 
 private:
-    struct State;
-    std::unique_ptr<State> state_;
+    std::function<JudgedView(const Contestant&, uint32_t, int)> compare_;
 };
 
 /// Throws UserError where there are no errors, as the views of a split have no foreground.

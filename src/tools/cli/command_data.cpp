@@ -118,7 +118,7 @@ void add_force(CommandLine& command, bool& force) {
     command.add_flag("--force", force, "go on though memory or disk will not suffice").idle();
 }
 
-void require_ending(const fs::path& file, const std::string& ending) {
+void require_ending(const std::filesystem::path& file, const std::string& ending) {
     if (file.extension() != ending)
         throw UserError(fmt::format("{}: name a file that ends in {}", file.string(), ending));
 }
