@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include "base/parallel.h"
-#include "eval/shown_texels.h"
 #include "model/lfm_text.h"
 
 namespace radiafit {
@@ -63,7 +62,7 @@ void LfmRenderer::shade(const Camera& camera, const std::vector<RasterPixel>& pi
     rgb.assign(3 * pixels.size(), 0.0f);
     const Vec3d eye = camera.center();
     const size_t stride = layout_.stride();
-    ShownTexels<Lane> shown(pixels.size());
+    scratch.shown.begin(pixels.size());
     const auto colour_of = [&](uint32_t triangle, uint32_t local) {
         Lane sum = Lane::Zero();
         for (uint32_t corner = 0; corner < 3; ++corner) {
@@ -80,7 +79,7 @@ void LfmRenderer::shade(const Camera& camera, const std::vector<RasterPixel>& pi
         Lane colour = Lane::Zero();
         for (const auto& [triangle, local, weight] : mix.entries()) {
             const uint32_t texel = triangle * atlas_.texels_per_tile() + local;
-            colour = colour + weight * shown.of(texel, [&] { return colour_of(triangle, local); });
+            colour = colour + weight * scratch.shown.of(texel, [&] { return colour_of(triangle, local); });
         }
         for (int c = 0; c < 3; ++c) rgb[3 * i + size_t(c)] = colour[c];
     }

@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "eval/shown_texels.h"
 #include "fit/fit_folder.h"
 #include "geometry/atlas.h"
 #include "geometry/raster.h"
@@ -26,6 +27,7 @@ private:
         std::vector<float> view;      ///< [V][K][4]: h_k of the vertices met so far
         std::vector<uint32_t> drawn;  ///< [V] the picture for which `view` was computed last
         uint32_t picture = 0;
+        ShownTexels<Eigen::Array4f> shown;  ///< r, g, b and padding
     };
     const float* view_values(Scratch& scratch, uint32_t vertex, const Vec3d& eye) const;
 

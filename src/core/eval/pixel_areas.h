@@ -21,8 +21,8 @@ public:
     /// outlive it.
     explicit PixelAreas(const Dataset& dataset, int points = as_photographed);
 
-    /// `view` may be any, not only the dataset's. worker: as Contestant's. Outside of a parallel loop threads share the
-    /// points.
+    /// `view` may be any, not only the dataset's. worker: as Contestant's. Outside of a parallel loop several points
+    /// are shaded at once.
     void shade(const Contestant& contestant, const View& view, int worker);
 
     /// [height][width] what pixels' centres see, in the view shaded last.
@@ -35,24 +35,16 @@ public:
 
 private:
     void shade_points(const Contestant& contestant, const View& view);
-    void shade_gathered(const Contestant& contestant, const View& view, bool curved);
 
     const Dataset* dataset_;
     int points_;
-    /// Points that see the surface, which a contestant is asked for at once: those of a pixel mostly show the same
-    /// texels.
-    struct Points {
+    /// One of the points of every pixel.
+    struct Shot {
         Rasterizer rasterizer;
         std::vector<RasterPixel> seen;
-        std::vector<uint32_t> pixels;  ///< whose they are
         std::vector<float> rgb;
     };
-    std::vector<Points> gathered_;  ///< by each thread
-    /// One of the points of every pixel: a stretch of what one thread has gathered.
-    struct Shot {
-        size_t by, begin, end;
-    };
-    std::vector<Shot> shots_;
+    std::vector<Shot> shots_;  ///< that are made at once
     Rasterizer rasterizer_;
     std::vector<RasterPixel> centres_;
     std::vector<float> rgb_;

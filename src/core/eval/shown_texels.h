@@ -11,26 +11,32 @@ namespace radiafit {
 template <class Colour>
 class ShownTexels {
 public:
-    /// Of so many pixels of one picture.
-    explicit ShownTexels(size_t pixels)
-        : kept_(std::bit_ceil(std::clamp(pixels, size_t(1) << 8, size_t(1) << 21)),
-                Kept{none, Colour(Colour::Zero())}) {}
-
+    /// Forgets all. pixels: of the picture that begins.
+    void begin(size_t pixels) {
+        const size_t places = std::bit_ceil(std::clamp(pixels, least, most));
+        if (kept_.size() < places) kept_.assign(places, Kept{});
+        mask_ = places - 1;
+        if (++picture_ != 0) return;
+        std::ranges::fill(kept_, Kept{});  // wrapped: no mark may pass for this picture's
+        picture_ = 1;
+    }
     /// colour_of() says what this texel shows.
     template <class ColourOf>
     const Colour& of(uint32_t texel, const ColourOf& colour_of) {
-        Kept& kept = kept_[texel & (kept_.size() - 1)];
-        if (kept.texel != texel) kept = {texel, colour_of()};
+        Kept& kept = kept_[texel & mask_];
+        if (kept.picture != picture_ || kept.texel != texel) kept = {texel, picture_, colour_of()};
         return kept.colour;
     }
 
 private:
-    static constexpr uint32_t none = ~uint32_t(0);
+    static constexpr size_t least = 1 << 8, most = 1 << 21;
     struct Kept {
-        uint32_t texel;
-        Colour colour;
+        uint32_t texel = 0, picture = 0;
+        Colour colour = Colour::Zero();
     };
     std::vector<Kept> kept_;
+    size_t mask_ = 0;
+    uint32_t picture_ = 0;
 };
 
 }  // namespace radiafit
