@@ -277,11 +277,10 @@ void check_foreground(const ErrorSums& pooled, const Dataset& dataset, Split spl
                         dataset.folder.string(), to_string(split)));
 }
 
-ErrorSums errors_of(const JudgedView& judged) {
+ErrorSums differences(std::span<const float> a, std::span<const float> b, std::span<const uint8_t> foreground) {
     ErrorSums sums;
-    for (size_t i = 0; i < judged.foreground.size(); ++i)
-        for (size_t c = 3 * i; c < 3 * i + 3 && judged.foreground[i]; ++c)
-            sums.add(double(judged.render[c]) - double(judged.photograph[c]));
+    for (size_t i = 0; i < foreground.size(); ++i)
+        for (size_t c = 3 * i; c < 3 * i + 3 && foreground[i]; ++c) sums.add(double(a[c]) - double(b[c]));
     return sums;
 }
 

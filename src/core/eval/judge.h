@@ -116,8 +116,11 @@ private:
 
 /// Throws UserError where there are no errors, as the views of a split have no foreground.
 void check_foreground(const ErrorSums& pooled, const Dataset& dataset, Split split);
-/// Errors of all of a view's foreground, in the stored encoding.
-ErrorSums errors_of(const JudgedView& judged);
+/// Differences of all of a view's foreground, in the stored encoding: between its render, or photograph, and another's.
+ErrorSums differences(std::span<const float> a, std::span<const float> b, std::span<const uint8_t> foreground);
+inline ErrorSums errors_of(const JudgedView& judged) {
+    return differences(judged.render, judged.photograph, judged.foreground);
+}
 
 /// Another method's figures on the same views.
 struct JudgedBeside {

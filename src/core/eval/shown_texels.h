@@ -29,7 +29,7 @@ public:
     }
 
 private:
-    static constexpr size_t least = 1 << 8, most = 1 << 21;
+    static constexpr size_t least = 1 << 8, most = 1 << 16;
     struct Kept {
         uint32_t texel = 0, picture = 0;
         Colour colour = Colour::Zero();

@@ -41,12 +41,14 @@ PageTable knowledge_of(const LightFieldFit& fit) {
     return table;
 }
 
-/// Calls body(map, is a surface map, term, corner) for all maps in the shader's order.
-template <class Body>
-void for_each_map(int terms, const Body& body) {
-    for (int k = 0; k < terms; ++k)
-        for (int c = 0; c < 3; ++c) body(size_t(3 * k + c), true, k, c);
-    for (int k = 0; k < terms; ++k) body(size_t(3 * terms + k), false, k, 0);
+/// Which map of the shader's order this is: all surface maps, a term's corners one after another, then the view maps.
+struct Place {
+    bool surface;
+    int term, corner;
+};
+Place place_of(size_t map, int terms) {
+    const int number = int(map), views = number - 3 * terms;
+    return views < 0 ? Place{true, number / 3, number % 3} : Place{false, views, 0};
 }
 
 }  // namespace
@@ -57,12 +59,13 @@ PageModel page_model_of(const LightFieldFit& fit, const Mesh& mesh) {
     const LightFieldFit seen = without_unseen(fit, layout->maps);
     PageModel page{.shader = "lfm", .vertex_shader = "lfm_vertices", .vertex_entries = terms + 1};
     page.maps.resize(size_t(4 * terms));
-    for_each_map(terms, [&](size_t map, bool surface, int k, int c) {
+    for (size_t map = 0; map < page.maps.size(); ++map) {
+        const auto [surface, k, c] = place_of(map, terms);
         page.maps[map].name = surface ? fmt::format("surface{}{}", k, c) : fmt::format("view{}", k);
         page.maps[map].place = surface ? MapPlace::surface : MapPlace::view;
         page.maps[map].image = surface ? surface_image(layout->atlas, layout->maps, seen.parameters, k, c)
                                        : view_image(layout->maps, seen.parameters, k);
-    });
+    }
     page.tables.push_back(knowledge_of(fit));
     page.defines = {{"TERMS", std::to_string(terms)}};
     if (fit.options.lookup == ViewLookup::nearest) page.defines.emplace_back("NEAREST", "1");
@@ -74,11 +77,12 @@ PageModel page_model_of(const LightFieldFit& fit, const Mesh& mesh) {
     if (fit.options.sides) page.sides = *fit.options.sides;
     page.shown = [&fit, &mesh, layout, terms](const std::vector<PageMap>& decoded) {
         const auto shown = std::make_shared<LightFieldFit>(fit);
-        const auto change = [shown, layout, surface_maps = size_t(3 * terms)](size_t map, const PageMap& other) {
-            if (map < surface_maps)
-                take_surface_image(other.image, layout->atlas, layout->maps, int(map / 3), int(map % 3), *shown);
+        const auto change = [shown, layout, terms](size_t map, const PageMap& other) {
+            const auto [surface, k, c] = place_of(map, terms);
+            if (surface)
+                take_surface_image(other.image, layout->atlas, layout->maps, k, c, *shown);
             else
-                take_view_image(other.image, layout->maps, int(map - surface_maps), *shown);
+                take_view_image(other.image, layout->maps, k, *shown);
         };
         for (size_t map = 0; map < size_t(4 * terms); ++map) change(map, decoded[map]);
         return ShownMaps{kept_alive(contestant_of(*shown, mesh), shown), change};

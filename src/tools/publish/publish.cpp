@@ -84,12 +84,6 @@ std::vector<SteppedMap> maps_within(const PageModel& model, const std::vector<st
     }
 }
 
-void add_differences(const JudgedView& a, const JudgedView& b, ErrorSums& sums) {
-    for (size_t i = 0; i < a.foreground.size(); ++i)
-        for (size_t c = 3 * i; c < 3 * i + 3 && a.foreground[i]; ++c)
-            sums.add(double(a.render[c]) - double(b.render[c]));
-}
-
 void add_uncertainty(Published& fit) {
     PageModel& model = fit.model;
     model.defines.emplace_back("UNCERTAINTY_MAP", std::to_string(model.maps.size()));
@@ -264,16 +258,16 @@ PublishOutcome publish(Published fit, const PublishOptions& options) {
         std::vector<PageMap> decoded(maps.size());
         parallel_for(maps.size(), 1, [&](size_t m, int) { decoded[m] = decoded_map(maps[m], fit.model.maps[m]); });
         shown = fit.model.shown(decoded).contestant;
-        std::vector<ErrorSums> differences(chosen.size());
+        std::vector<ErrorSums> against_fit(chosen.size());
         progress.begin(work.compared);
         parallel_for(chosen.size(), 1, [&](size_t i, int worker) {
             const JudgedView view = judge.compare(shown, chosen[i], worker);
             scores[chosen[i]].shown = errors_of(view);
-            add_differences(judged[i], view, differences[i]);
+            against_fit[i] = differences(judged[i].render, view.render, view.foreground);
             progress.advance();
         });
         ErrorSums sum;
-        for (const ErrorSums& d : differences) sum.add(d);
+        for (const ErrorSums& d : against_fit) sum.add(d);
         out.fidelity = sum.psnr();
         const double missing = options.fidelity - out.fidelity;
         const bool finer = missing > fidelity_slack && kept >= asked && attempt < most_attempts;
