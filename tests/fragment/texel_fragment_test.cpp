@@ -170,10 +170,10 @@ void agree(const Case& c) {
             }
             lowest = std::min(lowest, squares + change);
             if (Model::shape > 0) return;
-            Eigen::Matrix<double, B, B> products;
+            Eigen::MatrixXd products(B, B);  // of any size: a solver of its own for each takes long to compile
             for (size_t k = 0; k < size_t(B); ++k)
                 for (size_t j = 0; j <= k; ++j) products(int(k), int(j)) = products(int(j), int(k)) = a[k][j];
-            const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, B, B>> of(products, Eigen::EigenvaluesOnly);
+            const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of(products, Eigen::EigenvaluesOnly);
             rounding = off_by(of.eigenvalues()[0], of.eigenvalues()[B - 1], sizes);
         };
         if constexpr (Model::shape > 0) {
