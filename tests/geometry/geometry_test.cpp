@@ -5,8 +5,10 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/rng.h"
 #include "geometry/atlas.h"
 #include "geometry/camera.h"
+#include "geometry/shortest_turn.h"
 #include "geometry/vertex_rings.h"
 #include "mesh_shapes.h"
 
@@ -96,6 +98,27 @@ TEST(Mesh, NormalsAreWeightedByArea) {
     const Mesh mesh{{{0, 0, 0}, {0, 1, 0}, {-3, 0, 0}, {0, 0, -1}}, {{0, 1, 2}, {0, 3, 1}}};
     const Vec3f expected = Vec3f(1, 0, 3).normalized();  // area times unit normal: (0,0,3)/2 and (1,0,0)/2
     EXPECT_LT((vertex_normals(mesh)[0] - expected).norm(), 1e-6f);
+}
+
+TEST(ShortestTurn, TurnsOneDirectionToTheOtherByTheAngleBetweenThem) {
+    Rng rng(3);
+    const auto any = [&] {
+        return Vec3d(double(rng.uniform(-1, 1)), double(rng.uniform(-1, 1)), double(rng.uniform(-1, 1)));
+    };
+    const auto check = [](const Vec3d& from, const Vec3d& to, double most_off) {
+        const Eigen::Quaterniond turn = shortest_turn(from, to);
+        EXPECT_NEAR(turn.norm(), 1, 1e-14);
+        EXPECT_LT((turn * from.normalized() - to.normalized()).norm(), most_off);
+        const double angle = std::atan2(from.cross(to).norm(), from.dot(to));
+        EXPECT_NEAR(turn.angularDistance(Eigen::Quaterniond::Identity()), angle, 1e-7);
+    };
+    for (int i = 0; i < 1000; ++i) {
+        const Vec3d from = any(), to = any();
+        check(from, to, 1e-12);
+        check(from, from, 1e-12);
+        check(from, -from, 1e-12);
+        for (const double off : {1e-3, 1e-6, 1e-8, 1e-12}) check(from, Vec3d(-from + off * to), 1e-7);
+    }
 }
 
 TEST(Mesh, FramesAreRightHandedRotations) {

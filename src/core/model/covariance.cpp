@@ -1,9 +1,10 @@
 #include "model/covariance.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "base/decompositions.h"
 
 namespace radiafit {
 namespace {
@@ -36,9 +37,9 @@ Covariance covariance_of(const Eigen::MatrixXd& normal, double variance, int hel
             scaled(i, j) =
                 unit[i] * unit[j] *
                 normal(std::max(free[size_t(i)], free[size_t(j)]), std::min(free[size_t(i)], free[size_t(j)]));
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(scaled);  // of the lower triangle
-    const Eigen::MatrixXd& direction = axes.eigenvectors();
-    const Eigen::VectorXd curvature = axes.eigenvalues().cwiseMax(least_curvature);
+    const SymmetricEigen axes = symmetric_eigen(scaled);
+    const Eigen::MatrixXd& direction = axes.vectors;
+    const Eigen::VectorXd curvature = axes.values.cwiseMax(least_curvature);
     const Eigen::MatrixXd inverse = direction * curvature.cwiseInverse().asDiagonal() * direction.transpose();
     for (Eigen::Index i = 0; i < count; ++i)
         for (Eigen::Index j = 0; j < count; ++j)
@@ -47,7 +48,7 @@ Covariance covariance_of(const Eigen::MatrixXd& normal, double variance, int hel
         out.deviation[size_t(free[size_t(i)])] = std::sqrt(out.matrix(free[size_t(i)], free[size_t(i)]));
     constexpr double share = 1e-3;  // of a direction, from which on a parameter takes part in it
     for (Eigen::Index k = 0; k < count; ++k) {
-        if (axes.eigenvalues()[k] > least_curvature) continue;
+        if (axes.values[k] > least_curvature) continue;
         ++out.deficient;
         for (Eigen::Index i = 0; i < count; ++i)
             if (std::abs(direction(i, k)) > share)

@@ -1,9 +1,9 @@
 #include "model/photometric_stereo.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "base/decompositions.h"
 
 namespace radiafit {
 namespace {
@@ -14,9 +14,7 @@ constexpr double shadow = 0.1;       // of the upper decile
 constexpr double upper_share = 0.1;  // of the lit values, for highlights
 constexpr int steps = 10;
 
-double smallest_eigenvalue(const Mat3d& symmetric) {
-    return Eigen::SelfAdjointEigenSolver<Mat3d>(symmetric, Eigen::EigenvaluesOnly).eigenvalues()[0];
-}
+double smallest_eigenvalue(const Mat3d& symmetric) { return symmetric_eigenvalues(symmetric)[0]; }
 
 /// Indices of what is neither shadow nor highlight, by value.
 std::vector<size_t> middle_of(std::span<const float> values) {
@@ -41,7 +39,7 @@ Vec3d solve(std::span<const Vec3d> directions, std::span<const float> values, co
         matrix += weights[k] * l * l.transpose();
         right += weights[k] * double(values[used[k]]) * l;
     }
-    return matrix.ldlt().solve(right);
+    return solve_symmetric(matrix, right);
 }
 
 }  // namespace

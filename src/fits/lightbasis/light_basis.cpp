@@ -1,7 +1,6 @@
 #include "lightbasis/light_basis.h"
 
-#include <Eigen/Cholesky>
-
+#include "base/decompositions.h"
 #include "viewbasis/texel_views.h"
 
 namespace radiafit::fits {
@@ -11,7 +10,7 @@ Eigen::MatrixXd lamp_weights(const std::vector<LampAndHalf>& lamps, const LightK
     Eigen::MatrixXd covariance = s * Eigen::MatrixXd::Identity(n, n);
     for (Eigen::Index i = 0; i < n; ++i)
         for (Eigen::Index j = 0; j < n; ++j) covariance(i, j) += kernel(lamps[size_t(i)], lamps[size_t(j)]);
-    return covariance.llt().solve(Eigen::MatrixXd::Identity(n, n));
+    return inverse_of_definite(covariance);
 }
 
 LampFunctions::LampFunctions(const LightBasis& basis, double s)

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -15,6 +14,7 @@
 #include "eval/texel_of_pixel.h"
 #include "fit/fit_maps.h"
 #include "geometry/direction_hull.h"
+#include "geometry/shortest_turn.h"
 #include "image/exr.h"
 
 namespace radiafit::fits {
@@ -47,7 +47,7 @@ struct FromCentre {
 private:
     static Eigen::Matrix3f turn_between(const Vec3d& direction, const std::vector<Vec3d>& others) {
         const Vec3d inside = nearest_inside(others, direction);
-        return Eigen::Quaterniond::FromTwoVectors(direction, inside).toRotationMatrix().cast<float>();
+        return shortest_turn(direction, inside).toRotationMatrix().cast<float>();
     }
 };
 

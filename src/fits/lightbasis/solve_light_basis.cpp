@@ -1,8 +1,8 @@
 #include "lightbasis/solve_light_basis.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "base/decompositions.h"
 #include "base/parallel.h"
 
 namespace radiafit::fits {
@@ -52,8 +52,7 @@ void LightBasisSolver::find_accuracy() {
     const Eigen::MatrixXd inverse = cholesky_.solve(Eigen::MatrixXd::Identity(rank, rank));
     deviation_ = inverse.diagonal().cwiseMax(0).cwiseSqrt().cast<float>();
     determined_ = double(rank) - double(basis_->noise) * inverse.trace();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(matrix_, Eigen::EigenvaluesOnly);
-    deficient_ = uint32_t((spectrum.eigenvalues().array() < 2 * double(basis_->noise)).count());
+    deficient_ = uint32_t((symmetric_eigenvalues(matrix_).array() < 2 * double(basis_->noise)).count());
     accuracy_known_ = true;
 }
 

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 
+#include "base/decompositions.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
 
@@ -87,7 +87,7 @@ std::vector<std::array<uint8_t, axes>> halves_of(const GainPoints& points) {
 Eigen::MatrixXd left_out_errors(const Eigen::MatrixXd& squares, const Smoothness& s, const Eigen::MatrixXd& y) {
     Eigen::MatrixXd covariance = (squares.array() * (-0.5 / (s.width * s.width))).exp() + unknown_mean;
     covariance.diagonal().array() += s.noise;
-    const Eigen::MatrixXd inverse = covariance.llt().solve(Eigen::MatrixXd::Identity(y.rows(), y.rows()));
+    const Eigen::MatrixXd inverse = inverse_of_definite(covariance);
     return inverse.diagonal().asDiagonal().inverse() * (inverse * y);
 }
 

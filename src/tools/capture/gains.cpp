@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
 
+#include "base/decompositions.h"
 #include "base/error.h"
 #include "base/statistics.h"
 #include "base/text_file.h"
@@ -80,7 +80,7 @@ private:
         // The common factor is free, in every group of views that share points: a weak pull towards log gain 0 fixes
         // it.
         matrix.diagonal().array() += 1e-6 * matrix.trace() / double(n) + 1e-12;
-        log_gains_ = matrix.ldlt().solve(right);
+        log_gains_ = solve_symmetric(matrix, right);
     }
 
     void reweight() {

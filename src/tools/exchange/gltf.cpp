@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -17,6 +16,7 @@
 #include "base/wording.h"
 #include "eval/turntable.h"
 #include "exchange/textures.h"
+#include "geometry/shortest_turn.h"
 
 namespace radiafit::tools {
 namespace {
@@ -119,7 +119,7 @@ Vertices vertices_of(const Grid& grid) {
 /// Turns what is up in the photographs to +y; x, y, z, w.
 std::array<double, 4> upright(const Dataset& dataset) {
     const Vec3d up = dataset.has_grid() ? Vec3d(-dataset.grid.down.normalized()) : up_of(dataset.views);
-    const auto turn = Eigen::Quaterniond::FromTwoVectors(up, Vec3d::UnitY()).normalized();
+    const auto turn = shortest_turn(up, Vec3d::UnitY());
     return {turn.x(), turn.y(), turn.z(), turn.w()};
 }
 

@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "base/decompositions.h"
 #include "base/error.h"
 #include "base/json.h"
 #include "base/parallel.h"
@@ -66,7 +65,7 @@ struct ViewerFunctions {
         Eigen::VectorXd weights(at.rows());
         for (Eigen::Index i = 0; i < weights.size(); ++i) weights[i] = lamps[size_t(i / channels)].weight;
         const Eigen::MatrixXd weighted = at.transpose() * weights.asDiagonal();
-        return (weighted * at).ldlt().solve(weighted);
+        return solve_symmetric(weighted * at, weighted);
     }
 };
 
@@ -162,8 +161,8 @@ ViewerFunctions components(const Contestant& contestant, const Dataset& dataset,
     Eigen::VectorXd roots(values.rows());
     for (Eigen::Index i = 0; i < roots.size(); ++i) roots[i] = std::sqrt(out.lamps[size_t(i / channels)].weight);
     const Eigen::MatrixXd weighted = roots.asDiagonal() * values;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(weighted * weighted.transpose());
-    out.at = roots.cwiseInverse().asDiagonal() * spectrum.eigenvectors().rowwise().reverse().leftCols(planes);
+    const SymmetricEigen spectrum = symmetric_eigen(weighted * weighted.transpose());
+    out.at = roots.cwiseInverse().asDiagonal() * spectrum.vectors.rowwise().reverse().leftCols(planes);
     out.info = {{"type", "bilinear"}, {"colorspace", "mrgb"}, {"resolution", across}};
     store_in_bytes(out);
     return out;

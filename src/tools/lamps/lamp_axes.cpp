@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "base/decompositions.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
 
@@ -170,7 +171,7 @@ Estimate falloff(const LightStack& stack, const LitRelief& relief) {
         for (int a = 0; a < of_all; ++a)
             for (int c = 0; c < of_all; ++c) matrix(a, c) = sum[a * of_all + c];
         matrix.diagonal().array() += 1e-9 * matrix.trace();
-        const VectorXd all = matrix.ldlt().solve(sum.tail(of_all));
+        const VectorXd all = solve_symmetric(matrix, VectorXd(sum.tail(of_all)));
         VectorXd out(4);  // A = 3 c M'
         out << all[0], all[2], all[1], all[3];
         return out;

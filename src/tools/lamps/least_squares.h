@@ -1,6 +1,8 @@
 #pragma once
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <utility>
+
+#include "base/decompositions.h"
 
 namespace radiafit::tools {
 
@@ -19,7 +21,7 @@ Eigen::VectorXd minimize(State& state, const Residuals& residuals, const Jacobia
         for (;;) {
             Eigen::MatrixXd damped = matrix;
             damped.diagonal() *= 1 + damping;
-            State other = moved(state, Eigen::VectorXd(-damped.ldlt().solve(gradient)));
+            State other = moved(state, Eigen::VectorXd(-solve_symmetric(damped, gradient)));
             Eigen::VectorXd after = residuals(other);
             const double gain = now.squaredNorm() - after.squaredNorm();
             if (gain > 0) {

@@ -1,9 +1,10 @@
 #include "lamps/lit_relief.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "base/decompositions.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
 
@@ -56,7 +57,7 @@ void face(LitRelief& relief) {
             matrix += double(p.weight[i]) * lit * lit.transpose();
             right += double(p.weight[i]) * double(p.value[i]) * lit;
         }
-        p.facing = matrix.ldlt().solve(right);
+        p.facing = solve_symmetric(matrix, right);
     });
 }
 

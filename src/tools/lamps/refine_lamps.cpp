@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/decompositions.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/statistics.h"
@@ -83,7 +84,7 @@ public:
                 const Eigen::VectorXd brighter = alternating_step();
                 for (Eigen::Index i = 0; i < brighter.size(); ++i) step[i * of_lamp_] = brighter[i];
             } else {
-                step = matrix().ldlt().solve(gradient());
+                step = solve_symmetric(matrix(), gradient());
             }
             take(step);
             if (round > first_rounds && step.cwiseAbs().maxCoeff() < 1e-7) break;
@@ -105,9 +106,8 @@ public:
         for (const auto& [patch, gradient] : of_patches)
             middle += count / std::max(count - 1, 1.0) * gradient * gradient.transpose();
         add_prior(middle);
-        const auto solver = matrix().ldlt();
-        const Eigen::MatrixXd half = solver.solve(middle);
-        return solver.solve(Eigen::MatrixXd(half.transpose()));
+        const Eigen::MatrixXd curvature = matrix(), half = solve_symmetric(curvature, middle);
+        return solve_symmetric(curvature, Eigen::MatrixXd(half.transpose()));
     }
 
 private:
@@ -158,7 +158,7 @@ private:
                 matrix += p.weight[k] * s * s.transpose();
                 right += p.weight[k] * p.value[k] * s;
             }
-            p.facing = matrix.ldlt().solve(right);
+            p.facing = solve_symmetric(matrix, right);
         });
     }
     /// Weights: Cauchy's, over the residuals' variance; 0 in shadow, at first by the values, then by what would be
@@ -299,7 +299,7 @@ Eigen::MatrixXd inverse_of_held(const Eigen::MatrixXd& covariance) {
     const Eigen::MatrixXd even = scale.asDiagonal() * filled * scale.asDiagonal();
     const Eigen::Index size = even.rows();
     const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(size, size);
-    const Eigen::MatrixXd inverse = Eigen::MatrixXd(even + 1e-9 * one).ldlt().solve(one);
+    const Eigen::MatrixXd inverse = solve_symmetric(even + 1e-9 * one, one);
     return scale.asDiagonal() * inverse * scale.asDiagonal();
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "base/decompositions.h"
 #include "base/statistics.h"
 #include "lamps/lamp_place.h"
 #include "lamps/least_squares.h"
@@ -52,7 +53,7 @@ LampPlace nearest(const std::vector<Ray>& to, bool near) {
     double spread = 0;
     for (const Ray& ray : to) spread = std::max(spread, (ray.from - origin).norm());
     Vec3d x = origin + 10 * spread * mean;
-    if (const Vec3d met = matrix.ldlt().solve(right); met.allFinite() && (met - origin).dot(mean) > spread) x = met;
+    if (const Vec3d met = solve_symmetric(matrix, right); met.allFinite() && (met - origin).dot(mean) > spread) x = met;
     return {x.normalized(), 1 / x.norm()};
 }
 
@@ -86,7 +87,8 @@ public:
         const double freedom = double(2 * sights_.size()) - double(state_.places.size() * size_t(numbers_));
         const double scale = freedom > 0 ? std::max(1.0, left.squaredNorm() / freedom) : 1.0;
         const Eigen::MatrixXd slope = jacobian_of(state_, left), matrix = slope.transpose() * slope;
-        covariance_ = scale * matrix.ldlt().solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
+        covariance_ =
+            scale * solve_symmetric(matrix, Eigen::MatrixXd(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols())));
     }
     const std::vector<Circle>& outlines() const { return state_.outlines; }
     std::vector<CalibratedLamp> lamps() const {
@@ -253,8 +255,8 @@ double CalibratedLamp::deviation_degrees() const {
     const double length = light.place.norm();
     const Vec3d direction = light.place / length;
     const Mat3d across = Mat3d::Identity() - direction * direction.transpose();
-    const Eigen::SelfAdjointEigenSolver<Mat3d> eigen(across * covariance * across, Eigen::EigenvaluesOnly);
-    return std::sqrt(std::max(eigen.eigenvalues()[2], 0.0)) / length * 180 / std::numbers::pi;
+    const Vec3d variances = symmetric_eigenvalues(Mat3d(across * covariance * across));
+    return std::sqrt(std::max(variances[2], 0.0)) / length * 180 / std::numbers::pi;
 }
 
 double CalibratedLamp::deviation_of_distance() const {
