@@ -7,6 +7,7 @@ BEFORE and AFTER are programs. With TEXTs only the fits run whose command holds 
 problems and the trace without its times. Exit status 1 if any fit differs."""
 import itertools
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -72,6 +73,7 @@ def main():
             run(before, "generate", dataset, "--scale", "smoke", "-o", str(root / dataset))
         for dataset, options in chosen:
             for program, out in ((before, "before"), (after, "after")):
+                shutil.rmtree(root / out, ignore_errors=True)
                 run(program, "fit", str(root / dataset), *options.split(), "-o", str(root / out))
             wrong = differing(root / "before", root / "after")
             failed += bool(wrong)

@@ -4,13 +4,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
 
 #include "base/atomic_file.h"
 #include "dataset/grid.h"
 #include "exchange/relief.h"
+#include "geometry/shortest_turn.h"
 #include "image/image_file.h"
 #include "mesh_shapes.h"
 #include "temporary_folder.h"
@@ -21,7 +21,7 @@ namespace {
 
 /// Lamps on a spiral from 15 to 75 degrees from the axis.
 std::vector<Vec3d> dome(int count, const Vec3d& axis) {
-    const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vec3d::UnitZ(), axis);
+    const Eigen::Quaterniond turn = shortest_turn(Vec3d::UnitZ(), axis);
     std::vector<Vec3d> out;
     for (int i = 0; i < count; ++i) {
         const double angle = (15 + 60 * (i + 0.5) / count) * M_PI / 180, around = 2.4 * i;
