@@ -41,6 +41,7 @@ nlohmann::ordered_json json_of(const Finding& f, bool told_first) {
             {"rule", f.claim->rule.text},
             {"since", f.claim->rule.since},
             {"why_this_rule", f.claim->rule.reason},
+            {"computed", f.claim->rule.computed},
             {"scale", f.claim->rule.scale},
             {"command", fmt::format("make experiments PROFILE={} ONLY={}", f.profile, f.claim->experiment)},
             {"profile", f.profile},
@@ -97,8 +98,14 @@ std::string section_of(const ClaimFindings& found) {
     std::string text =
         fmt::format("## {}: {}\n\nThe paper, Section {}. Rule, since {}: {}.\n\nWhy this one: {}.\n\nScale: {}.\n",
                     claim.id, claim.states, claim.section, rule.since, rule.text, rule.reason, rule.scale);
-    for (const Rule& reading : claim.readings)
+    const auto add_computed = [&](const Rule& of) {
+        if (!of.computed.empty()) text += fmt::format("\nComputed so: {}.\n", of.computed);
+    };
+    add_computed(rule);
+    for (const Rule& reading : claim.readings) {
         text += fmt::format("\nAnother reading, {}: {}.\n", reading.name, reading.text);
+        add_computed(reading);
+    }
     for (const Rule& former : claim.former)
         text += fmt::format("\nUntil {} the rule was: {}. It changed because {}.\n", former.until, former.text,
                             former.changed);

@@ -10,7 +10,7 @@
 namespace radiafit::harness {
 namespace {
 
-constexpr size_t least_rounds = 9, least_seeds = 3;
+constexpr size_t least_seeds = 3;
 
 std::string number_text(double value, const std::string& unit) {
     const double shown = unit == "%" || unit == "percentage points" ? 100 * value : value;

@@ -22,7 +22,8 @@ struct Figure {
 
 /// Counted, not measured: the same in every run.
 Figure exact(double value);
-/// The median of one figure's values, one for each interleaved repetition. An interval needs nine.
+inline constexpr size_t least_rounds = 9;  ///< interleaved repetitions that an interval needs
+/// The median of one figure's values, one for each repetition.
 Figure median_of_rounds(const std::vector<double>& values);
 /// The median over problems, of which so many are independent of each other: a vertex's three channels are not.
 Figure median_of_problems(const std::vector<double>& values, size_t independent);
@@ -64,14 +65,15 @@ struct Rule {
         Bound bound = {};
         std::optional<Bound> failing = {};
     };
-    std::string name;          ///< of another reading: "as mathematics"; else empty
-    std::string text = {};     ///< in words
-    std::string reason = {};   ///< why this is a fair reading of the paper's sentence
-    std::string scale = {};    ///< number of problems, images, repetitions
-    std::string since = {};    ///< the day on which it was registered: "2026-11-27"; of a former one empty
-    std::string until = {};    ///< of a former one, the day on which it was replaced
-    std::string changed = {};  ///< of a former one, why
-    std::string none = {};     ///< why no bound is set: the figures are only reported
+    std::string name;           ///< of another reading: "as mathematics"; else empty
+    std::string text = {};      ///< in words
+    std::string reason = {};    ///< why this is a fair reading of the paper's sentence
+    std::string computed = {};  ///< how, where the words leave that open; may be empty
+    std::string scale = {};     ///< number of problems, images, repetitions
+    std::string since = {};     ///< the day on which it was registered: "2026-11-27"; of a former one empty
+    std::string until = {};     ///< of a former one, the day on which it was replaced
+    std::string changed = {};   ///< of a former one, why
+    std::string none = {};      ///< why no bound is set: the figures are only reported
     std::vector<std::string> premises = {};  ///< Premise::name
     std::vector<Asked> asked = {};           ///< none: all figures, and nothing of them
 };

@@ -78,6 +78,7 @@ std::optional<Bound> read_bound(Entries& entries, const std::string& prefix) {
 Rule read_rule(Entries& entries, const std::string& where) {
     Rule rule;
     rule.text = entries.needed("rule");
+    rule.computed = entries.text("computed");
     rule.none = entries.text("none");
     rule.premises = entries.list("premises").get<std::vector<std::string>>();
     for (const Json& table : entries.list("asks")) {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <map>
+#include <ranges>
 #include <set>
 
 #include "base/error.h"
+#include "base/rng.h"
 #include "experiment.h"
 #include "rounds.h"
 
@@ -288,6 +290,31 @@ struct Line {
     }
 };
 
+/// How far from a line the medians of the rounds lie: one round's noise is no departure from it. The interval is by the
+/// percentile bootstrap over whole rounds (Efron 1979), with a fixed seed.
+Figure misfit_of_medians(const std::vector<std::map<double, double>>& rounds) {
+    const auto misfit = [&](const auto& drawn) {
+        std::map<double, std::vector<double>> by_size;
+        for (const size_t round : drawn)
+            for (const auto& [size, seconds] : rounds[round]) by_size[size].push_back(seconds);
+        std::map<double, double> medians;
+        for (const auto& [size, seconds] : by_size) medians[size] = median(seconds);
+        return Line(medians).misfit;
+    };
+    Figure out{misfit(std::views::iota(size_t(0), rounds.size()))};
+    if (rounds.size() < least_rounds) return out;
+    constexpr int draws = 2000;
+    Rng rng(1979);
+    std::vector<double> misfits;
+    std::vector<size_t> drawn(rounds.size());
+    for (int i = 0; i < draws; ++i) {
+        for (size_t& round : drawn) round = rng.index(uint32_t(rounds.size()));
+        misfits.push_back(misfit(drawn));
+    }
+    out.interval = Interval{quantile(misfits, 0.025), quantile(misfits, 0.975)};
+    return out;
+}
+
 Evidence cost_linear(const FinishedRun& run) {
     const Times times(run);
     Evidence e{.renderer = times.renderer};
@@ -299,24 +326,18 @@ Evidence cost_linear(const FinishedRun& run) {
         sizes = std::min(sizes, all.front().size());
         factor = std::min(factor, all.front().rbegin()->first / all.front().begin()->first);
         std::vector<double> shares, last;
-        std::map<double, std::vector<double>> by_size;
         for (const auto& points : all) {
             shares.push_back(Line(points).share);
-            for (const auto& [size, seconds] : points) by_size[size].push_back(seconds);
             const auto end = std::prev(points.end()), before = std::prev(end);
             last.push_back(std::log(end->second / before->second) / std::log(end->first / before->first));
         }
-        // One round's noise is no departure from a line: the line is through the medians.
-        std::map<double, double> medians;
-        for (const auto& [size, seconds] : by_size) medians[size] = median(seconds);
-        const double misfit = Line(medians).misfit;
+        const Figure misfit = misfit_of_medians(all);
         const Figure share = median_of_rounds(shares), slope = times.slope("samples", engine, "samples");
-        e.measure("off the line", plain_name(engine) + ", the farthest of the medians from a + b S", exact(misfit),
-                  "%");
+        e.measure("off the line", plain_name(engine) + ", the farthest of the medians from a + b S", misfit, "%");
         e.measure("share of S", plain_name(engine) + ", b S at the most samples", share, "%");
         e.measure("slope of time", plain_name(engine) + ", slope of time over samples", slope);
         found.push_back(fmt::format("{} off at most, {} of the time by samples at the most of them ({})",
-                                    percent(misfit), percent(share.value), plain_name(engine)));
+                                    percent(misfit.value), percent(share.value), plain_name(engine)));
         e.beside.push_back(fmt::format("{}: slope of logarithms {}, between the two largest sizes {:.3g}",
                                        plain_name(engine), with_interval(slope), median(last)));
     }

@@ -134,6 +134,7 @@ rows += [
     (check_mesh("--json"), None, 0, '"median_distance"'),
     (check_mesh("--depths photos/nowhere"), None, 2, "photos/nowhere/depth_maps/0.png.geometric.bin: "),
     (check_mesh("--depths photos/stereo"), patch(depth, 8, b"\0\0\x80\xbf"), 2, f"{depth}: pixel (0, 0) has depth -1"),
+    (check_mesh("--depths photos/stereo"), replace("photos/mesh.obj", "f 1 2 3\nf 1 3 4", "f 1 3 2\nf 1 4 3"), 2, "the photographs show the back of the mesh"),
     (preview(), None, 0),
     (preview("--mesh photos/mesh.obj"), None, 0),
     (preview("--mesh photos/nowhere.obj"), None, 2, "photos/nowhere.obj: "),

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/statistics.h"
 #include "base/wording.h"
 #include "capture/colmap.h"
 #include "capture/colmap_points.h"
@@ -29,12 +30,7 @@ constexpr double largest_distance = 0.005, near_distance = 0.01;  // of the diag
 constexpr double least_share = 0.03, least_overlap = 0.7;
 constexpr double most_in_free_space = 0.02;  // of the area
 
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
+double median_or_0(std::vector<double> values) { return values.empty() ? 0 : median(std::move(values)); }
 
 /// Distances of the points that the camera sees amid the mesh from the planes of the triangles there.
 std::vector<double> distances(const Mesh& mesh, const Camera& camera, const std::vector<RasterPixel>& pixels,
@@ -153,11 +149,11 @@ MeshCheck check_mesh(const MeshCheckInput& input) {
         for (const double d : list) all.push_back(d / diagonal);
     for (const MeshCheck::Photograph& p : check.photographs) shares.push_back(p.share), overlaps.push_back(p.overlap);
     check.points = all.size();
-    check.distance = median(all);
+    check.distance = median_or_0(all);
     const auto near = std::count_if(all.begin(), all.end(), [](double d) { return d <= near_distance; });
     check.near_share = all.empty() ? 0 : double(near) / double(all.size());
-    check.share = median(shares);
-    check.overlap = median(overlaps);
+    check.share = median_or_0(shares);
+    check.overlap = median_or_0(overlaps);
     const std::vector<uint32_t> piece = pieces_of(mesh);
     std::vector<uint8_t> used(mesh.vertex_count(), 0);
     for (const auto& t : mesh.triangles) used[piece[t[0]]] = 1;
