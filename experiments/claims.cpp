@@ -23,6 +23,7 @@ nlohmann::ordered_json json_of(const Finding& f, const std::vector<Judgement>& j
         nlohmann::ordered_json one;
         if (!j.rule->name.empty()) one["name"] = j.rule->name;
         one["rule"] = j.rule->text;
+        if (!j.rule->computed.empty()) one["computed"] = j.rule->computed;
         if (!j.rule->until.empty()) one["until"] = j.rule->until;
         if (!j.rule->changed.empty()) one["changed"] = j.rule->changed;
         one["verdict"] = f.verdict(j);

@@ -290,8 +290,8 @@ struct Line {
     }
 };
 
-/// How far from a line the medians of the rounds lie: one round's noise is no departure from it. The interval is by the
-/// percentile bootstrap over whole rounds (Efron 1979), with a fixed seed.
+/// How far from a line the medians of the rounds lie: one round's noise is no departure from it. The interval is by
+/// bootstrap over whole rounds.
 Figure misfit_of_medians(const std::vector<std::map<double, double>>& rounds) {
     const auto misfit = [&](const auto& drawn) {
         std::map<double, std::vector<double>> by_size;
@@ -303,15 +303,10 @@ Figure misfit_of_medians(const std::vector<std::map<double, double>>& rounds) {
     };
     Figure out{misfit(std::views::iota(size_t(0), rounds.size()))};
     if (rounds.size() < least_rounds) return out;
-    constexpr int draws = 2000;
-    Rng rng(1979);
-    std::vector<double> misfits;
-    std::vector<size_t> drawn(rounds.size());
-    for (int i = 0; i < draws; ++i) {
+    out.interval = bootstrap_interval([&, drawn = std::vector<size_t>(rounds.size())](Rng& rng) mutable {
         for (size_t& round : drawn) round = rng.index(uint32_t(rounds.size()));
-        misfits.push_back(misfit(drawn));
-    }
-    out.interval = Interval{quantile(misfits, 0.025), quantile(misfits, 0.975)};
+        return misfit(drawn);
+    });
     return out;
 }
 

@@ -2,9 +2,9 @@
 // its two forms of passes against one another, and whole fits of surfaces whose reflectance is known.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "base/decompositions.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "context_kinds.h"
@@ -170,11 +170,11 @@ void agree(const Case& c) {
             }
             lowest = std::min(lowest, squares + change);
             if (Model::shape > 0) return;
-            Eigen::MatrixXd products(B, B);  // of any size: a solver of its own for each takes long to compile
+            Eigen::MatrixXd products(B, B);
             for (size_t k = 0; k < size_t(B); ++k)
                 for (size_t j = 0; j <= k; ++j) products(int(k), int(j)) = products(int(j), int(k)) = a[k][j];
-            const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of(products, Eigen::EigenvaluesOnly);
-            rounding = off_by(of.eigenvalues()[0], of.eigenvalues()[B - 1], sizes);
+            const Eigen::VectorXd eigenvalues = symmetric_eigenvalues(products);
+            rounding = off_by(eigenvalues[0], eigenvalues[B - 1], sizes);
         };
         if constexpr (Model::shape > 0) {
             for (const auto& candidate : Text::starts) {

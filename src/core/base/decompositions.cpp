@@ -27,6 +27,10 @@ MatrixXd solve_symmetric(const MatrixXd& matrix, const MatrixXd& right) { return
 
 Vec3d solve_symmetric(const Mat3d& matrix, const Vec3d& right) { return matrix.ldlt().solve(right); }
 
+MatrixXd inverse_of_symmetric(const MatrixXd& matrix) {
+    return matrix.ldlt().solve(MatrixXd::Identity(matrix.rows(), matrix.cols()));
+}
+
 MatrixXd inverse_of_definite(const MatrixXd& matrix) {
     return matrix.llt().solve(MatrixXd::Identity(matrix.rows(), matrix.cols()));
 }

@@ -25,6 +25,9 @@ Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& matrix, const Eigen::Vect
 Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right);
 Vec3d solve_symmetric(const Mat3d& matrix, const Vec3d& right);
 
+/// By L D L', for the same.
+Eigen::MatrixXd inverse_of_symmetric(const Eigen::MatrixXd& matrix);
+
 /// By L L': for symmetric matrices that are positive definite.
 Eigen::MatrixXd inverse_of_definite(const Eigen::MatrixXd& matrix);
 

@@ -31,21 +31,26 @@ double median_of_counts(const std::vector<uint64_t>& counts) {
     return 0.5 * (of_rank((all - 1) / 2) + of_rank(all / 2));
 }
 
-Interval ratio_of_medians(const std::vector<double>& above, const std::vector<double>& below, double confidence) {
-    constexpr int draws = 2000;
+Interval bootstrap_interval(const std::function<double(Rng&)>& figure, double confidence) {
     Rng rng(1979);
+    std::vector<double> figures(2000);
+    for (double& one : figures) one = figure(rng);
+    return {quantile(figures, 0.5 - 0.5 * confidence), quantile(figures, 0.5 + 0.5 * confidence)};
+}
+
+Interval ratio_of_medians(const std::vector<double>& above, const std::vector<double>& below, double confidence) {
     std::vector<double> drawn;
-    const auto median_of_draw = [&](const std::vector<double>& values) {
+    const auto median_of_draw = [&](const std::vector<double>& values, Rng& rng) {
         drawn.clear();
         for (size_t i = 0; i < values.size(); ++i) drawn.push_back(values[rng.index(uint32_t(values.size()))]);
         return median(drawn);
     };
-    std::vector<double> ratios;
-    for (int i = 0; i < draws; ++i) {
-        const double numerator = median_of_draw(above);
-        ratios.push_back(numerator / median_of_draw(below));
-    }
-    return {quantile(ratios, 0.5 - 0.5 * confidence), quantile(ratios, 0.5 + 0.5 * confidence)};
+    return bootstrap_interval(
+        [&](Rng& rng) {
+            const double numerator = median_of_draw(above, rng);
+            return numerator / median_of_draw(below, rng);
+        },
+        confidence);
 }
 
 namespace {

@@ -1,11 +1,13 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
 
 namespace radiafit {
+class Rng;
 
 /// The value below which a share q of the values lies, 0 <= q <= 1; between two neighbours in order of size, linearly
 /// (Hyndman and Fan 1996, definition 7). Not a number if there are no values.
@@ -20,8 +22,11 @@ struct Interval {
     double low, high;
 };
 
-/// Where the ratio of two medians lies, with this confidence: the percentile bootstrap (Efron 1979), both sides drawn
-/// anew 2,000 times, by a fixed seed. Neither side empty; all of `below` above 0.
+/// Where a figure lies, with this confidence: the percentile bootstrap (Efron 1979), by 2,000 draws and a fixed seed.
+/// figure(rng): of values that it draws anew from those at hand.
+Interval bootstrap_interval(const std::function<double(Rng&)>& figure, double confidence = 0.95);
+
+/// Of the ratio of two medians, by drawing both sides anew. Neither side empty; all of `below` above 0.
 Interval ratio_of_medians(const std::vector<double>& above, const std::vector<double>& below, double confidence = 0.99);
 
 // 95 % intervals.

@@ -14,8 +14,6 @@ constexpr double shadow = 0.1;       // of the upper decile
 constexpr double upper_share = 0.1;  // of the lit values, for highlights
 constexpr int steps = 10;
 
-double smallest_eigenvalue(const Mat3d& symmetric) { return symmetric_eigenvalues(symmetric)[0]; }
-
 /// Indices of what is neither shadow nor highlight, by value.
 std::vector<size_t> middle_of(std::span<const float> values) {
     std::vector<size_t> order;
@@ -48,7 +46,7 @@ bool lamps_give_normals(std::span<const Vec3d> directions) {
     if (directions.size() < 3) return false;
     Mat3d mean = Mat3d::Zero();
     for (const Vec3d& l : directions) mean += l * l.transpose() / double(directions.size());
-    return smallest_eigenvalue(mean) >= least_eigenvalue;
+    return symmetric_eigenvalues(mean)[0] >= least_eigenvalue;
 }
 
 Vec3f photometric_normal(std::span<const Vec3d> directions, std::span<const float> values) {

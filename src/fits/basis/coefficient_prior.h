@@ -1,12 +1,12 @@
 #pragma once
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <span>
 #include <utility>
 #include <vector>
 
-#include "base/decompositions.h"
 #include "base/journal.h"
 #include "base/parallel.h"
 #include "basis/basis_texels.h"
@@ -134,7 +134,8 @@ Eigen::MatrixXd functions_of_most_variance(const CoefficientPrior<D, R>& prior, 
     const Matrix root = prior.covariance.llt().matrixL();
     const Matrix seen =
         sums.weight > 0 ? Matrix(sums.seen / sums.weight) : Matrix(Matrix::Identity(root.rows(), root.cols()));
-    return root * symmetric_eigen(Matrix(root.transpose() * seen * root)).vectors.rowwise().reverse().leftCols(rank);
+    const Eigen::SelfAdjointEigenSolver<Matrix> spectrum(root.transpose() * seen * root);
+    return root * spectrum.eigenvectors().rowwise().reverse().leftCols(rank);
 }
 
 /// Sums over texels, `at_once` at a time on all cores, and these added up in their order: the same for any number of

@@ -1,12 +1,12 @@
 #include "reference/truncated_svd.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
+#include "base/decompositions.h"
 #include "base/rng.h"
 
 namespace radiafit::fits {
@@ -60,17 +60,16 @@ Eigen::MatrixXd first_eigenvectors(const Eigen::MatrixXd& of, Eigen::Index count
     for (int round = 0; size > std::max(small, 2 * block) && round < most_rounds; ++round) {
         v = orthonormal(v);
         Eigen::MatrixXd image = symmetric * v;
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> within(v.transpose() * image);  // the best within the span
-        const Eigen::MatrixXd turn = within.eigenvectors().rowwise().reverse();
-        const Eigen::VectorXd values = within.eigenvalues().reverse();
+        const SymmetricEigen within = symmetric_eigen(v.transpose() * image);  // the best within the span
+        const Eigen::MatrixXd turn = within.vectors.rowwise().reverse();
+        const Eigen::VectorXd values = within.values.reverse();
         v *= turn;
         image *= turn;
         const double off = (image.leftCols(count) - v.leftCols(count) * values.head(count).asDiagonal()).norm();
         if (off <= 1e-13 * values[0]) return v.leftCols(count);
         v = std::move(image);
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(of);
-    return eigen.eigenvectors().rowwise().reverse().leftCols(count);
+    return symmetric_eigen(of).vectors.rowwise().reverse().leftCols(count);
 }
 
 /// Orthonormal also where `narrow` lacks rank; descending.

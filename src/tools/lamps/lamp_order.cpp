@@ -54,7 +54,7 @@ class Explainer {
 public:
     explicit Explainer(const LightStack& stack) : cosines_(cosines(stack)), lamps_(Eigen::Index(stack.images()), 3) {
         for (size_t i = 0; i < stack.images(); ++i) lamps_.row(Eigen::Index(i)) = stack.direction(i).transpose();
-        const VectorXd values = symmetric_eigen(cosines_).values.reverse();
+        const VectorXd values = symmetric_eigenvalues(cosines_).reverse();
         one_ = double(stack.images()) - values[0];
         changing_ = values[1] + values[2];
         lit_by_lamps_ = changing_ > 0.3 * one_;

@@ -297,9 +297,8 @@ Eigen::MatrixXd inverse_of_held(const Eigen::MatrixXd& covariance) {
     // Numbers of unlike sizes: to those of unit deviation first.
     const Eigen::VectorXd scale = filled.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd even = scale.asDiagonal() * filled * scale.asDiagonal();
-    const Eigen::Index size = even.rows();
-    const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(size, size);
-    const Eigen::MatrixXd inverse = solve_symmetric(even + 1e-9 * one, one);
+    const Eigen::MatrixXd inverse =
+        inverse_of_symmetric(even + 1e-9 * Eigen::MatrixXd::Identity(even.rows(), even.cols()));
     return scale.asDiagonal() * inverse * scale.asDiagonal();
 }
 

@@ -87,8 +87,7 @@ public:
         const double freedom = double(2 * sights_.size()) - double(state_.places.size() * size_t(numbers_));
         const double scale = freedom > 0 ? std::max(1.0, left.squaredNorm() / freedom) : 1.0;
         const Eigen::MatrixXd slope = jacobian_of(state_, left), matrix = slope.transpose() * slope;
-        covariance_ =
-            scale * solve_symmetric(matrix, Eigen::MatrixXd(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols())));
+        covariance_ = scale * inverse_of_symmetric(matrix);
     }
     const std::vector<Circle>& outlines() const { return state_.outlines; }
     std::vector<CalibratedLamp> lamps() const {
