@@ -1,5 +1,6 @@
 """What the tests of the programs share: running them, and captures written by hand. Standard library only."""
 import hashlib
+import itertools
 import json
 import math
 import os
@@ -180,14 +181,35 @@ def png_rows(png):
     raw, stride, rows = zlib.decompress(packed), apart * width, []
     above = bytes(stride)
     for y in range(height):
-        method, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1 : (y + 1) * (stride + 1)])
-        for i in range(stride if method else 0):
-            a, b, c = (row[i - apart] if i >= apart else 0), above[i], (above[i - apart] if i >= apart else 0)
-            paeth = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
-            row[i] = (row[i] + (0, a, b, (a + b) // 2, paeth)[method]) & 255
-        above = bytes(row)
+        above = unfiltered(raw[y * (stride + 1)], raw[y * (stride + 1) + 1 : (y + 1) * (stride + 1)], above, apart)
         rows.append(above)
     return width, height, tuple(form), rows
+
+
+def unfiltered(method, row, above, apart):
+    """A row of a PNG, of which the file has differences: to the pixel on the left, `apart` bytes before; to the row above; ..."""
+    if method == 0:
+        return row
+    if method == 1:
+        out = bytearray(len(row))
+        for channel in range(apart):
+            out[channel::apart] = bytes(x & 255 for x in itertools.accumulate(row[channel::apart]))
+        return bytes(out)
+    if method == 2:
+        return bytes((x + b) & 255 for x, b in zip(row, above))
+    out = bytearray(apart) + row  # as if there were a black pixel on the left
+    if method == 3:
+        for i, b in enumerate(above, apart):
+            out[i] = (out[i] + ((out[i - apart] + b) >> 1)) & 255
+    else:
+        for i, (b, c) in enumerate(zip(above, bytes(apart) + above), apart):
+            a = out[i - apart]
+            from_a, from_b, from_c = abs(b - c), abs(a - c), abs(a + b - 2 * c)
+            if from_a <= from_b and from_a <= from_c:
+                out[i] = (out[i] + a) & 255
+            else:
+                out[i] = (out[i] + (b if from_b <= from_c else c)) & 255
+    return bytes(out[apart:])
 
 
 def quaternion(r):

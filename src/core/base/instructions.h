@@ -2,7 +2,8 @@
 
 /// Loops that gain by AVX-512 are compiled twice: for the instructions that the whole program is compiled for
 /// (RADIAFIT_ARCH; with AVX2 where nothing else is asked), and for those of x86-64-v4. The processor that runs them
-/// decides. Only sums and products of lanes are done, so both give the same numbers but for rounding.
+/// decides. Only sums and products of lanes are done, so both give the same numbers but for rounding. What is compiled
+/// for one processor needs one of the two: RADIAFIT_AVX512_ALONE is defined as 1 there, or as 0.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__AVX512F__)
 #define RADIAFIT_TWO_INSTRUCTION_SETS 1
 #else
@@ -36,6 +37,13 @@ const char* widest_instructions();
 
 #if RADIAFIT_TWO_INSTRUCTION_SETS
 namespace detail {
+inline bool as_avx512_here() {
+#ifdef RADIAFIT_AVX512_ALONE
+    return RADIAFIT_AVX512_ALONE;
+#else
+    return run_avx512();
+#endif
+}
 template <class Body>
 [[gnu::target("arch=x86-64-v4"), gnu::flatten, gnu::noinline]] void as_avx512(const Body& body) {
     body();
@@ -48,7 +56,7 @@ template <class Body>
 template <class Body>
 void with_widest_vectors(const Body& body) {
 #if RADIAFIT_TWO_INSTRUCTION_SETS
-    if (run_avx512()) return detail::as_avx512(body);
+    if (detail::as_avx512_here()) return detail::as_avx512(body);
 #endif
     body();
 }

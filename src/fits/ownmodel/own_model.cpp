@@ -12,6 +12,7 @@
 
 #include "base/compiled_library.h"
 #include "base/error.h"
+#include "base/instructions.h"
 #include "base/read_file.h"
 #include "base/text_file.h"
 #include "base/wording.h"
@@ -105,6 +106,7 @@ LibrarySource source_of(const std::string& file, const std::string& name, const 
     out.folders = {"src/core", "shaders"};
     std::istringstream flags(RADIAFIT_KERNEL_FLAGS);
     for (std::string flag; flags >> flag;) out.flags.push_back(flag);
+    out.flags.push_back(fmt::format("-DRADIAFIT_AVX512_ALONE={}", int(run_avx512())));
     std::istringstream folders(RADIAFIT_EIGEN);
     for (std::string folder; folders >> folder;) out.flags.insert(out.flags.end(), {"-isystem", folder});
     return out;
