@@ -97,8 +97,8 @@ public:
             if constexpr (Loss::reweighs) {
                 const PackOf<real> squared = weight_ * PackOf<real>(r * r);
                 const PackOf<real> value = loss_.value(squared), factor = weight_ * loss_.weight(squared);
-                s.part += value.v;
-                weight = factor.v;
+                s.part += value.joined();
+                weight = factor.joined();
                 r *= weight;
             } else {
                 s.part += r * r;
@@ -174,8 +174,8 @@ public:
             }
             if constexpr (Loss::reweighs) {
                 const PackOf<real> squared = weight_ * PackOf<real>(r * r);
-                const PackOf<real> root = sqrt(weight_ * loss_.weight(squared));
-                r *= root.v, a *= root.v, b *= root.v;
+                const Pair root = sqrt(weight_ * loss_.weight(squared)).joined();
+                r *= root, a *= root, b *= root;
             }
             s.sum[0] += a * a;
             s.sum[1] += r * b;
