@@ -5,9 +5,11 @@ Arguments: the folder of the module, the program, the checkout.
 """
 import gc
 import json
+import os
 import subprocess
 import sys
 import unittest
+from unittest import mock
 
 from cli_fixture import ProgramTest, take_arguments
 
@@ -108,6 +110,24 @@ class PythonModule(ProgramTest):
                 gc.collect()
                 np.testing.assert_array_equal(texels, kept)
                 self.assertEqual(set(radiafit.open_fit(self.root / out).array_meanings), set(radiafit.open_fit(self.root / out).arrays))
+
+    def test_a_model_that_is_a_file(self):
+        quick = self.root / "quick"  # a compiler that optimizes less
+        quick.write_text(f'#!/bin/sh\nexec {os.environ.get("CXX") or "c++"} "$@" -O1\n')
+        quick.chmod(0o755)
+        environment = mock.patch.dict(os.environ, CXX=str(quick), XDG_CACHE_HOME=str(self.root / "cache"))
+        environment.start()
+        self.addCleanup(environment.stop)
+        options = ["ornament", "--model", CHECKOUT / "examples/own_model.glsl", "--optimizer", "cg"]
+        self.good("fit", *options, "-o", "own")
+        mine = radiafit.fit(radiafit.Dataset(self.root / "ornament"), model=str(options[2]), optimizer="cg")
+        theirs = radiafit.open_fit(self.root / "own")
+        for key in mine.arrays:
+            np.testing.assert_array_equal(mine.arrays[key], theirs.arrays[key])
+        mine.save(self.root / "own_by_python")
+        self.assertEqual(self.good("judge", "own_by_python", "--json").stdout, self.good("judge", "own", "--json").stdout)
+        with self.assertRaisesRegex(radiafit.UserError, "none.glsl: no such model"):
+            radiafit.fit(radiafit.Dataset(self.root / "ornament"), model="none.glsl")
 
     def test_saved_fits_are_the_programs(self):
         self.good("fit", "star", "--model", "viewbasis", "--rank", "3", "--surface-side", "4", "-o", "theirs")

@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <link.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -107,7 +108,8 @@ std::unique_ptr<UnfinishedFolder> working_folder() {
 std::string key_of(const LibrarySource& source) {
     std::string all = source.text + instructions();
     for (const EmbeddedText& part : source.files) all += part.text;
-    for (const std::string& flag : source.flags) all += flag;
+    for (const auto& list : {source.flags, source.libraries})
+        for (const std::string& one : list) all += one;
     return checksum(all);
 }
 
@@ -126,7 +128,9 @@ path compile(const LibrarySource& source, const std::string& program, const std:
     command.insert(command.end(), source.flags.begin(), source.flags.end());
     for (const std::string& folder : source.folders)
         command.insert(command.end(), {"-I", (work->path() / folder).string()});
-    command.insert(command.end(), {"-fPIC", "-shared", "-w", "-o", made.string(), text.string(), "-lm"});
+    command.insert(command.end(), {"-fPIC", "-shared", "-w", "-o", made.string(), text.string()});
+    command.insert(command.end(), source.libraries.begin(), source.libraries.end());
+    command.emplace_back("-lm");
     const Ended ended = run_program(command);
     if (ended.status != 0) throw UserError(complaint_of(ended.message, source.name));
     sync_to_disk(made);
@@ -137,6 +141,14 @@ path compile(const LibrarySource& source, const std::string& program, const std:
 }
 
 }  // namespace
+
+path surrounding_library() {
+    Dl_info found;
+    link_map* map = nullptr;
+    static const int here = 0;
+    if (dladdr1(&here, &found, reinterpret_cast<void**>(&map), RTLD_DL_LINKMAP) == 0 || !map) return {};
+    return *map->l_name ? std::filesystem::absolute(map->l_name) : path();  // the program's is ""
+}
 
 path compiled_models_folder() {
     const path cache = cache_folder();

@@ -12,11 +12,12 @@ namespace radiafit {
 inline constexpr const char* users_text_name = "model.glsl";
 
 struct LibrarySource {
-    std::string name;                  ///< of the user's text, in messages
-    std::string text;                  ///< C++
-    std::vector<std::string> flags;    ///< of the compiler
-    std::vector<EmbeddedText> files;   ///< that it includes
-    std::vector<std::string> folders;  ///< of these: where the compiler looks
+    std::string name;                         ///< of the user's text, in messages
+    std::string text;                         ///< C++
+    std::vector<std::string> flags;           ///< of the compiler
+    std::vector<EmbeddedText> files;          ///< that it includes
+    std::vector<std::string> folders;         ///< of these: where the compiler looks
+    std::vector<std::string> libraries = {};  ///< that it is linked against
 };
 
 /// A shared library, made by this machine's C++ compiler. What was compiled once is kept in compiled_models_folder()
@@ -45,6 +46,10 @@ private:
     void* library_ = nullptr;
     double seconds_ = 0;
 };
+
+/// The shared library that this code is a part of, such as Python's module; empty: the program itself. A compiled
+/// library that calls its functions is linked against it.
+std::filesystem::path surrounding_library();
 
 /// $XDG_CACHE_HOME/radiafit/models or ~/.cache/radiafit/models; without a home, one of this user's own below the folder
 /// for temporary files. Throws UserError where that one is somebody else's.

@@ -107,6 +107,7 @@ LibrarySource source_of(const std::string& file, const std::string& name, const 
     std::istringstream flags(RADIAFIT_KERNEL_FLAGS);
     for (std::string flag; flags >> flag;) out.flags.push_back(flag);
     out.flags.push_back(fmt::format("-DRADIAFIT_AVX512_ALONE={}", int(run_avx512())));
+    if (const fs::path library = surrounding_library(); !library.empty()) out.libraries = {library.string()};
     std::istringstream folders(RADIAFIT_EIGEN);
     for (std::string folder; folders >> folder;) out.flags.insert(out.flags.end(), {"-isystem", folder});
     return out;
