@@ -263,6 +263,7 @@ std::vector<uint32_t> spread_views(const std::vector<uint32_t>& views, int count
 
 int run_experiment(const std::string& name, int argc, const char* const* argv,
                    const std::function<void(Experiment&)>& body, RunOption run_option) {
+    end_idle_blas_threads();
     name_options_by_flag();
     prepare_standard_streams();
     catch_interrupts();

@@ -1,5 +1,6 @@
 #include "base/parallel.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <sched.h>
 
@@ -138,6 +139,10 @@ int core_count() {
         return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     }();
     return cores;
+}
+
+void end_idle_blas_threads() {
+    if (void* end = dlsym(RTLD_DEFAULT, "blas_thread_shutdown_")) reinterpret_cast<int (*)()>(end)();
 }
 
 int thread_count() {

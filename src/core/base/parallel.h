@@ -13,6 +13,10 @@ int core_count();
 /// Threads of a loop that begins here: 1 within a body.
 int threads_here();
 
+/// For a program's first lines. OpenBLAS, where a library brings it along, starts threads as it is loaded, which wait
+/// for their first work by spinning for a tenth of a second; ended, they begin anew when there is some.
+void end_idle_blas_threads();
+
 /// Calls body(i, worker) for every i in [0, count), in chunks of `grain` handed out dynamically.
 /// worker in [0, thread_count()) selects per-thread scratch space. Of exceptions that of the lowest chunk
 /// is rethrown to the caller, and chunks not begun by then are skipped. A call from inside a body runs inline, under

@@ -14,6 +14,7 @@ using namespace radiafit::tools;
 
 /// Exit status: 0 done, 1 the machine failed (GL, I/O), or `compare` found a difference, 2 the user's mistake.
 int main(int argc, char** argv) {
+    end_idle_blas_threads();
     name_options_by_flag();
     prepare_standard_streams();
     CommandLine program("radiafit",
