@@ -120,6 +120,9 @@ class PythonModule(ProgramTest):
         self.addCleanup(environment.stop)
         options = ["ornament", "--model", CHECKOUT / "examples/own_model.glsl", "--optimizer", "cg"]
         self.good("fit", *options, "-o", "own")
+        opened = [sys.executable, "-c", "import radiafit, sys; print(radiafit.open_fit(sys.argv[1]).judge(baseline=False)['psnr'])"]
+        judged = subprocess.run([*opened, "own"], cwd=self.root, env={**os.environ, "PYTHONPATH": str(MODULE)}, check=True, capture_output=True, text=True)
+        self.assertAlmostEqual(float(judged.stdout), json.loads(self.good("judge", "own", "--json").stdout)["psnr"], places=6)
         mine = radiafit.fit(radiafit.Dataset(self.root / "ornament"), model=str(options[2]), optimizer="cg")
         theirs = radiafit.open_fit(self.root / "own")
         for key in mine.arrays:

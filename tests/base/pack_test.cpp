@@ -63,26 +63,84 @@ TEST(Pack, ExpStaysFiniteAndKeepsNaN) {
     EXPECT_TRUE(std::isnan(y[7]));
 }
 
-TEST(Pack, ArithmeticIsThatOfEachLane) {
+template <class real>
+class Packs : public testing::Test {};
+using Reals = testing::Types<float, double>;
+TYPED_TEST_SUITE(Packs, Reals);
+
+TYPED_TEST(Packs, ArithmeticIsThatOfEachLane) {
+    using real = TypeParam;
+    using Many = PackOf<real>;
     Rng rng(1);
     for (int trial = 0; trial < 1000; ++trial) {
-        float a[8], b[8];
-        for (int lane = 0; lane < 8; ++lane) a[lane] = rng.uniform(-2, 2), b[lane] = rng.uniform(-2, 2);
-        const Pack x = of(a), y = of(b);
-        const Pack sum = x + y, product = x * y, ratio = x / y, smaller = min(x, y), larger = max(x, y);
-        const Pack chosen = Pack::select(x < y, x - y, -x);
+        real a[8], b[8];
+        Many x, y;
         for (int lane = 0; lane < 8; ++lane) {
+            a[lane] = real(rng.uniform(-2, 2)), b[lane] = lane == trial % 8 ? a[lane] : real(rng.uniform(-2, 2));
+            x.set(lane, a[lane]), y.set(lane, b[lane]);
+        }
+        const Many sum = x + y, product = x * y, ratio = x / y, smaller = min(x, y), larger = max(x, y);
+        const Many chosen = Many::select(x < y, x - y, -x), present = select_nonzero(x - y, x, Many(real(7)));
+        Many added = x;
+        added += y, added *= y, added -= x;
+        const PairLanes<real> joined = x.joined();
+        for (int lane = 0; lane < 8; ++lane) {
+            EXPECT_EQ(joined[lane], a[lane]);
+            EXPECT_EQ(Many(joined)[lane], a[lane]);
+            EXPECT_EQ(added[lane], (a[lane] + b[lane]) * b[lane] - a[lane]);
+            EXPECT_EQ(present[lane], a[lane] == b[lane] ? real(7) : a[lane]);
+            EXPECT_EQ((x < y)[lane], a[lane] < b[lane]);
+            EXPECT_EQ((x <= y)[lane], a[lane] <= b[lane]);
+            EXPECT_EQ((x > y)[lane], a[lane] > b[lane]);
+            EXPECT_EQ((x >= y)[lane], a[lane] >= b[lane]);
+            EXPECT_EQ(((x < y) & (x > Many(real(0))))[lane], a[lane] < b[lane] && a[lane] > 0);
+            EXPECT_EQ(((x < y) | (x > Many(real(0))))[lane], a[lane] < b[lane] || a[lane] > 0);
             EXPECT_EQ(sum[lane], a[lane] + b[lane]);
             EXPECT_EQ(product[lane], a[lane] * b[lane]);
             EXPECT_EQ(ratio[lane], a[lane] / b[lane]);
             EXPECT_EQ(smaller[lane], std::min(a[lane], b[lane]));
             EXPECT_EQ(larger[lane], std::max(a[lane], b[lane]));
             EXPECT_EQ(chosen[lane], a[lane] < b[lane] ? a[lane] - b[lane] : -a[lane]);
-            EXPECT_EQ(narrow(widen(x))[lane], a[lane]);
         }
     }
-    EXPECT_TRUE(std::isnan(max(Pack(nan), Pack(1.0f))[0])) << "as std::max";
-    EXPECT_EQ(max(Pack(1.0f), Pack(nan))[0], 1) << "as std::max";
+}
+
+TYPED_TEST(Packs, NanIsAsTheStandardLibraryHasIt) {
+    using Many = PackOf<TypeParam>;
+    const Many one(TypeParam(1));
+    for (const int lane : {0, 2, 5, 7}) {
+        Many x = one;
+        x.set(lane, nan);
+        for (int i = 0; i < 8; ++i) {
+            EXPECT_EQ(std::isnan(max(x, one)[i]), i == lane);
+            EXPECT_EQ(std::isnan(min(x, one)[i]), i == lane);
+            EXPECT_EQ(max(one, x)[i], 1);
+            EXPECT_EQ(min(one, x)[i], 1);
+            for (const auto& truths : {x<one, x> one}) EXPECT_FALSE(truths[i]);
+            EXPECT_EQ((x <= one)[i], i != lane);
+            EXPECT_EQ((x >= one)[i], i != lane);
+        }
+    }
+}
+
+TYPED_TEST(Packs, TruthsAreSetLaneByLane) {
+    using Many = PackOf<TypeParam>;
+    const Many one(TypeParam(1)), two(TypeParam(2));
+    for (int lane = 0; lane < 8; ++lane) {
+        auto truths = two < one;
+        truths.set(lane, true);
+        for (int i = 0; i < 8; ++i) EXPECT_EQ(Many::select(truths, one, two)[i], i == lane ? 1 : 2);
+        truths.set(lane, false);
+        EXPECT_FALSE(truths[lane]);
+    }
+}
+
+TEST(Pack, NarrowUndoesWiden) {
+    const float x[] = {1, -2, 3.5f, 1e-20f, 5, 6e20f, -7, 0.1f};
+    for (int lane = 0; lane < 8; ++lane) {
+        EXPECT_EQ(widen(of(x))[lane], double(x[lane]));
+        EXPECT_EQ(narrow(widen(of(x)))[lane], x[lane]);
+    }
 }
 
 TEST(FlushSubnormals, LastsAsLongAsItLives) {

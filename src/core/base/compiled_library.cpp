@@ -104,6 +104,10 @@ std::unique_ptr<UnfinishedFolder> working_folder() {
     }
 }
 
+path trusted_file(const path& folder, const std::string& text) {
+    return folder / fmt::format("trusted-{}.glsl", checksum(text));
+}
+
 /// By which a library is found again: all that it is made of, but for the compiler, so that it serves without one.
 std::string key_of(const LibrarySource& source) {
     std::string all = source.text + instructions();
@@ -122,6 +126,9 @@ path compile(const LibrarySource& source, const std::string& program, const std:
         std::filesystem::create_directories(to.parent_path());
         write_file(to, part.text);
     }
+    for (const std::string& library : source.libraries)
+        if (!path_exists(library))
+            throw UserError(fmt::format("{}: is no more where it was loaded from; start anew", library));
     const path text = work->path() / "model.cpp", made = work->path() / "model.so";
     write_file(text, source.text);
     std::vector<std::string> command = {"env", "LC_ALL=C", program};  // whose messages are read here
@@ -150,12 +157,29 @@ path surrounding_library() {
     return *map->l_name ? std::filesystem::absolute(map->l_name) : path();  // the program's is ""
 }
 
+bool is_trusted(const std::string& text) {
+    const auto holds = [&](const path& folder) {
+        const path file = trusted_file(folder, text);
+        return path_exists(file) && read_file(file, "model") == text;
+    };
+    return holds(compiled_models_folder()) || holds(temporary_folder());
+}
+
+void trust(const std::string& text) {
+    if (is_trusted(text)) return;
+    try {
+        const path folder = compiled_models_folder();
+        std::filesystem::create_directories(folder);
+        write_file(trusted_file(folder, text), text);
+    } catch (const std::exception&) {  // nobody may write there
+        write_file(trusted_file(temporary_folder(), text), text);
+    }
+}
+
 path compiled_models_folder() {
     const path cache = cache_folder();
     return cache.empty() ? temporary_folder() : cache / "models";
 }
-
-bool CompiledLibrary::is_kept(const LibrarySource& source) { return kept(key_of(source)).has_value(); }
 
 CompiledLibrary::CompiledLibrary(const LibrarySource& source) {
     const std::string key = key_of(source);
@@ -168,7 +192,7 @@ CompiledLibrary::CompiledLibrary(const LibrarySource& source) {
     library_ = dlopen(library->c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!library_) {
         const std::string why = dlerror();
-        if (why.find("undefined symbol") != std::string::npos)
+        if (why.find("undefined symbol") != std::string::npos && source.libraries.empty())
             throw UserError(fmt::format(
                 "{}: this program shows its functions to no library; fit it by the program radiafit", source.name));
         throw SystemError(fmt::format("dlopen {} failed: {}", library->string(), why));

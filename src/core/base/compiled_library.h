@@ -24,8 +24,8 @@ struct LibrarySource {
 /// and taken from there.
 class CompiledLibrary {
 public:
-    /// Throws UserError: there is no compiler; what it says of the text, "NAME:LINE: ..."; the library calls functions
-    /// that this program does not export.
+    /// Throws UserError: there is no compiler; what it says of the text, "NAME:LINE: ..."; one of `libraries` is
+    /// missing; the library calls functions that this program does not export.
     explicit CompiledLibrary(const LibrarySource& source);
     ~CompiledLibrary();
     CompiledLibrary(const CompiledLibrary&) = delete;
@@ -37,9 +37,6 @@ public:
     }
     double seconds() const { return seconds_; }  ///< that compiling took; 0: it was there
 
-    /// Whether it was compiled here before, by this user.
-    static bool is_kept(const LibrarySource& source);
-
 private:
     void* symbol(const char* name) const;
 
@@ -50,6 +47,11 @@ private:
 /// The shared library that this code is a part of, such as Python's module; empty: the program itself. A compiled
 /// library that calls its functions is linked against it.
 std::filesystem::path surrounding_library();
+
+/// Texts whose code this user has let become a part of a program here: kept whole beside the compiled models, and
+/// compared byte by byte.
+bool is_trusted(const std::string& text);
+void trust(const std::string& text);
 
 /// $XDG_CACHE_HOME/radiafit/models or ~/.cache/radiafit/models; without a home, one of this user's own below the folder
 /// for temporary files. Throws UserError where that one is somebody else's.

@@ -3,11 +3,15 @@
 /// Loops that gain by AVX-512 are compiled twice: for the instructions that the whole program is compiled for
 /// (RADIAFIT_ARCH; with AVX2 where nothing else is asked), and for those of x86-64-v4. The processor that runs them
 /// decides. Only sums and products of lanes are done, so both give the same numbers but for rounding. What is compiled
-/// for one processor needs one of the two: RADIAFIT_AVX512_ALONE is defined as 1 there, or as 0.
+/// for one processor needs one of the two, and defines RADIAFIT_RUNS_AVX512 as 1 or as 0.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__AVX512F__)
 #define RADIAFIT_TWO_INSTRUCTION_SETS 1
 #else
 #define RADIAFIT_TWO_INSTRUCTION_SETS 0
+#endif
+
+#ifndef RADIAFIT_RUNS_AVX512
+#define RADIAFIT_RUNS_AVX512 radiafit::run_avx512()
 #endif
 
 namespace radiafit {
@@ -18,7 +22,7 @@ namespace radiafit {
 bool run_avx512();
 
 /// For comparisons: while one lives, loops that are compiled twice run as the rest of the program. To be made and
-/// destroyed while no other thread runs such loops.
+/// destroyed while no other thread runs such loops. Of models that were compiled from files it changes nothing.
 class BaseInstructions {
 public:
     BaseInstructions();
@@ -37,13 +41,6 @@ const char* widest_instructions();
 
 #if RADIAFIT_TWO_INSTRUCTION_SETS
 namespace detail {
-inline bool as_avx512_here() {
-#ifdef RADIAFIT_AVX512_ALONE
-    return RADIAFIT_AVX512_ALONE;
-#else
-    return run_avx512();
-#endif
-}
 template <class Body>
 [[gnu::target("arch=x86-64-v4"), gnu::flatten, gnu::noinline]] void as_avx512(const Body& body) {
     body();
@@ -56,7 +53,7 @@ template <class Body>
 template <class Body>
 void with_widest_vectors(const Body& body) {
 #if RADIAFIT_TWO_INSTRUCTION_SETS
-    if (detail::as_avx512_here()) return detail::as_avx512(body);
+    if (RADIAFIT_RUNS_AVX512) return detail::as_avx512(body);
 #endif
     body();
 }

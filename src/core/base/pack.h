@@ -17,7 +17,7 @@ constexpr int instructions = 1;
 #endif
 
 /// Eight numbers as two vectors of four: one of 64 bytes would, without AVX-512, be compared and selected number by
-/// number and never be kept in registers.
+/// number and never be kept in registers. With it, both are as fast on AMD's processors.
 template <class Half, int instructions>
 struct Halves {
     Half low, high;
@@ -62,7 +62,7 @@ struct PackOf {
     explicit PackOf(const Vector& x) : v(x) {}
     explicit PackOf(const PairLanes<real>& x) requires(halved) : v{lower<real>(x), upper<real>(x)} {}
     /// As one vector.
-    PairLanes<real> joined() const {
+    [[gnu::always_inline]] PairLanes<real> joined() const {
         if constexpr (halved)
             return join<real>(v.low, v.high);
         else
@@ -108,8 +108,8 @@ struct PackOf {
     }
 
 private:
-    template <class Lanes, class Number>
-    static void put(Lanes& to, int lane, Number x) {
+    template <class Eight, class Number>
+    static void put(Eight& to, int lane, Number x) {
         if constexpr (halved)
             (lane < 4 ? to.low : to.high)[lane % 4] = x;
         else

@@ -106,7 +106,7 @@ LibrarySource source_of(const std::string& file, const std::string& name, const 
     out.folders = {"src/core", "shaders"};
     std::istringstream flags(RADIAFIT_KERNEL_FLAGS);
     for (std::string flag; flags >> flag;) out.flags.push_back(flag);
-    out.flags.push_back(fmt::format("-DRADIAFIT_AVX512_ALONE={}", int(run_avx512())));
+    out.flags.push_back(fmt::format("-DRADIAFIT_RUNS_AVX512={:d}", run_avx512()));
     if (const fs::path library = surrounding_library(); !library.empty()) out.libraries = {library.string()};
     std::istringstream folders(RADIAFIT_EIGEN);
     for (std::string folder; folders >> folder;) out.flags.insert(out.flags.end(), {"-isystem", folder});
@@ -126,13 +126,13 @@ LoadedModel load(const fs::path& file, const std::string& name, bool trusted) {
     }
     const std::string for_compiler = fmt::format("#line 1 \"{}\"\n{}", users_text_name, text);
     const LibrarySource source = source_of(file.string(), name, for_compiler);
-    if (!trusted && !CompiledLibrary::is_kept(source))
+    if (!trusted && !is_trusted(text))
         throw UserError(fmt::format(
             "{}: the fit's model is a text that was never compiled here; it becomes a part of the program, so read it, "
             "and {}",
             file.string(),
             at_command_line(fmt::format("run `radiafit model {}`", file.parent_path().string()),
-                            "load it by its file")));
+                            "have the program's command model compile it")));
     Loaded& own = loaded().by_name[name];
     try {
         own.library = std::make_unique<CompiledLibrary>(source);
@@ -146,6 +146,7 @@ LoadedModel load(const fs::path& file, const std::string& name, bool trusted) {
                    [=, from = file.string()] { return with_derivatives(from, text, shader_file); });
         add_texel_solvers(*own.model, std::move(solvers));
         add_texel_model(std::move(model));
+        if (trusted) trust(text);
     } catch (const std::exception& error) {
         const bool users = dynamic_cast<const UserError*>(&error);
         if (own.model) static_cast<void>(own.library.release());  // whose code others have by now
