@@ -93,6 +93,14 @@ class ProgramTest(unittest.TestCase):
         return result
 
     @classmethod
+    def compiler_with(cls, option):
+        """A C++ compiler for CXX that is told `option` last: one that optimizes less is quicker."""
+        path = cls.root / f"compiler{option}"
+        path.write_text(f'#!/bin/sh\nexec {os.environ.get("CXX") or "c++"} "$@" {option}\n')
+        path.chmod(0o755)
+        return str(path)
+
+    @classmethod
     def dataset(cls, shared, name=None, **options):
         """One of SHARED in root, by default under its shape's name: a copy, or made here if no test made it before."""
         shape, made = SHARED[shared][0], os.environ.get("RADIAFIT_DATASETS")

@@ -63,10 +63,7 @@ class OwnModel(ProgramTest):
 
     def test_wrong_texts_are_refused_by_their_lines(self):
         # Some are compiled before they are known to be wrong, and none of those runs.
-        unoptimized = self.root / "unoptimized"
-        unoptimized.write_text(f'#!/bin/sh\nexec {os.environ.get("CXX") or "c++"} "$@" -O0\n')
-        unoptimized.chmod(0o755)
-        quick = {"CXX": str(unoptimized)}
+        quick = {"CXX": self.compiler_with("-O0")}
         for name, old, new, says in (
             ("names", "coefficient_names", "other_names", "a texel model's text must define coefficient_names[BASIS_COUNT]"),
             ("unknown", "exp(exp(s.x[0]) * t.x[1])", "sin(s.x[0])", "unknown.glsl:20: "),

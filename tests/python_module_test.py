@@ -112,10 +112,7 @@ class PythonModule(ProgramTest):
                 self.assertEqual(set(radiafit.open_fit(self.root / out).array_meanings), set(radiafit.open_fit(self.root / out).arrays))
 
     def test_a_model_that_is_a_file(self):
-        quick = self.root / "quick"  # a compiler that optimizes less
-        quick.write_text(f'#!/bin/sh\nexec {os.environ.get("CXX") or "c++"} "$@" -O1\n')
-        quick.chmod(0o755)
-        environment = mock.patch.dict(os.environ, CXX=str(quick), XDG_CACHE_HOME=str(self.root / "cache"))
+        environment = mock.patch.dict(os.environ, CXX=self.compiler_with("-O1"), XDG_CACHE_HOME=str(self.root / "cache"))
         environment.start()
         self.addCleanup(environment.stop)
         options = ["ornament", "--model", CHECKOUT / "examples/own_model.glsl", "--optimizer", "cg"]

@@ -116,7 +116,8 @@ TYPED_TEST(Packs, NanIsAsTheStandardLibraryHasIt) {
             EXPECT_EQ(std::isnan(min(x, one)[i]), i == lane);
             EXPECT_EQ(max(one, x)[i], 1);
             EXPECT_EQ(min(one, x)[i], 1);
-            for (const auto& truths : {x<one, x> one}) EXPECT_FALSE(truths[i]);
+            EXPECT_FALSE((x < one)[i]);
+            EXPECT_FALSE((x > one)[i]);
             EXPECT_EQ((x <= one)[i], i != lane);
             EXPECT_EQ((x >= one)[i], i != lane);
         }

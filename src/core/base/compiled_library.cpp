@@ -167,11 +167,12 @@ bool is_trusted(const std::string& text) {
 
 void trust(const std::string& text) {
     if (is_trusted(text)) return;
+    const path folder = compiled_models_folder();
+    std::error_code none;
+    std::filesystem::create_directories(folder, none);
     try {
-        const path folder = compiled_models_folder();
-        std::filesystem::create_directories(folder);
         write_file(trusted_file(folder, text), text);
-    } catch (const std::exception&) {  // nobody may write there
+    } catch (const UserError&) {  // nobody may write there
         write_file(trusted_file(temporary_folder(), text), text);
     }
 }

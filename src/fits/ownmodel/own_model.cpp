@@ -140,13 +140,13 @@ LoadedModel load(const fs::path& file, const std::string& name, bool trusted) {
         check(file, *model);
         std::unique_ptr<const TexelSolvers> solvers(
             own.library->find<const TexelSolvers*()>("radiafit_texel_solvers")());
+        if (trusted) trust(text);  // it may throw: before others have the model
         own.model = model.get();
         own.text = text;
         add_shader(fmt::format("model/{}.glsl", name),
                    [=, from = file.string()] { return with_derivatives(from, text, shader_file); });
         add_texel_solvers(*own.model, std::move(solvers));
         add_texel_model(std::move(model));
-        if (trusted) trust(text);
     } catch (const std::exception& error) {
         const bool users = dynamic_cast<const UserError*>(&error);
         if (own.model) static_cast<void>(own.library.release());  // whose code others have by now
