@@ -127,6 +127,50 @@ TEST(BatchSolve, EndsAreMinima) {
     }
 }
 
+// All of them end at the minima that Levenberg and Marquardt's method finds, with bounds and parameters that stay, too.
+TEST(BatchSolve, EveryOptimizerFindsTheSameMinima) {
+    const Peaks<double> made(60, 2);
+    const double none = std::numeric_limits<double>::infinity();
+    for (const bool bounded : {false, true}) {
+        Options options;
+        if (bounded) {
+            options.lower = {-none, 2.9, -none, 1.25, -none};
+            options.upper = {none, none, 3.1, none, none};
+            options.fixed = {false, false, false, false, true};
+        }
+        const auto by_matrix = solve(compiled(peak), made.problems(), options);
+        for (const auto& [name, optimizer] : batch_optimizers()) {
+            options.optimizer = optimizer;
+            options.iterations = optimizer == BatchOptimizer::adam ? 20000 : 4000;
+            options.tolerance = optimizer == BatchOptimizer::adam ? 1e-3 : 1e-6;
+            const auto found = solve(compiled(peak), made.problems(), options);
+            for (size_t k = 0; k < made.count; ++k) {
+                ASSERT_EQ(found.status[k], by_matrix.status[k]) << name << " " << k;
+                EXPECT_NEAR(found.error[k], by_matrix.error[k], 1e-5 * by_matrix.error[k]) << name << " " << k;
+                for (size_t i = 5 * k; i < 5 * k + 5; ++i) {
+                    EXPECT_NEAR(found.parameters[i], by_matrix.parameters[i], 0.003 * by_matrix.deviations[i] + 1e-9)
+                        << name << " " << k << " " << i % 5;
+                    EXPECT_NEAR(found.deviations[i], by_matrix.deviations[i], 0.003 * by_matrix.deviations[i]) << name;
+                }
+            }
+        }
+    }
+}
+
+// None of them is what another is, and those that keep to a descent never end above the start.
+TEST(BatchSolve, OptimizersDifferByWhatTheyKnow) {
+    const Peaks<double> made(60, 2);
+    std::map<std::string, int64_t> steps;
+    for (const auto& [name, optimizer] : batch_optimizers()) {
+        const auto found =
+            solve(compiled(peak), made.problems(), {.optimizer = optimizer, .iterations = 3000, .tolerance = 1e-4});
+        steps[name] = std::accumulate(found.steps.begin(), found.steps.end(), int64_t(0));
+    }
+    EXPECT_LT(steps["lm"], steps["lbfgs"]);
+    EXPECT_LT(steps["lbfgs"], steps["cg"]);
+    EXPECT_LT(steps["cg"], steps["adam"]);
+}
+
 TEST(BatchSolve, ErrorBarsCover) {
     const Peaks<double> made(4000, 3);
     const auto found = solve(compiled(peak), made.problems(), {});

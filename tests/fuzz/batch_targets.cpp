@@ -14,8 +14,10 @@ batch::ModelText model() { return batch::read_model("decay.glsl", decay); }
 /// Read as the program does, and arranged, in both precisions.
 void read_all(const fs::path& input) {
     const batch::ByName start = {{"height", 1}, {"rate", 1}};
-    batch::read_problems<float>(input, model(), start).arrays();
-    batch::read_problems<double>(input, model(), start).arrays();
+    const batch::ProblemFiles<float> files(input, model(), start);
+    files.read(0, files.count());
+    const batch::ProblemFiles<double> parts(input, model(), start);
+    for (size_t i = 0; i < parts.count(); ++i) parts.read(i, 1);
 }
 
 Target text() {

@@ -21,4 +21,12 @@ Choice choose(const std::string& what, const std::string& name,
     reject_name(what, name, names);
 }
 
+/// A choice's name, "" of none of them.
+template <class Choice>
+std::string name_of_choice(const std::vector<std::pair<std::string, Choice>>& choices, const Choice& wanted) {
+    for (const auto& [name, choice] : choices)
+        if (choice == wanted) return name;
+    return "";
+}
+
 }  // namespace radiafit

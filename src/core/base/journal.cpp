@@ -97,16 +97,17 @@ void Journal::flush() {
 }
 
 void Journal::write_waiting() {
-    const std::string bytes = (end_ == 0 ? head_ : "") + waiting_;
-    waiting_ = {};
+    const uint64_t size = (end_ == 0 ? head_.size() : 0) + waiting_.size();
     written_s_ = wall_time_s();
     std::error_code error;
     if (end_ == 0) fs::create_directories(file_.parent_path(), error);
     if (end_ > 0) fs::resize_file(file_, end_, error);  // what is damaged behind it
     std::ofstream out(file_, end_ > 0 ? std::ios::binary | std::ios::app : std::ios::binary | std::ios::trunc);
-    out << bytes << std::flush;
+    if (end_ == 0) out << head_;
+    out << waiting_ << std::flush;
+    waiting_.clear();  // its memory is used again
     if (!error && out) {
-        end_ += bytes.size();
+        end_ += size;
         return;
     }
     given_up_ = true;

@@ -158,15 +158,22 @@ std::string NpyReader::shape_text() const {
 
 template <class T>
 std::vector<T> NpyReader::read() const {
+    return read<T>(0, elements());
+}
+
+template <class T>
+std::vector<T> NpyReader::read(uint64_t begin, uint64_t size) const {
+    if (begin + size > elements() || (fortran_ && size != elements()))
+        throw std::logic_error("NpyReader: no such elements");
     if (std::is_integral_v<T> && !whole_numbers())
         fail("has fractions; save whole numbers, such as by a.astype('int64')");
-    std::vector<T> out(elements());
+    std::vector<T> out(size);
     const FortranOrder order(fortran_ ? shape_ : std::vector<uint64_t>());
     constexpr uint64_t at_once = 1 << 20;
     std::vector<char> bytes(std::min<uint64_t>(at_once, out.size()) * bytes_);
     for (uint64_t first = 0; first < out.size(); first += at_once) {
         const uint64_t count = std::min<uint64_t>(at_once, out.size() - first);
-        in_.read(bytes.data(), begin_ + first * bytes_, count * bytes_);
+        in_.read(bytes.data(), begin_ + (begin + first) * bytes_, count * bytes_);
         for (uint64_t i = 0; i < count; ++i) {
             T& to = out[fortran_ ? order.place_in_c_order(first + i) : first + i];
             to = element_at<T>(&bytes[i * bytes_], kind_, bytes_);
@@ -182,6 +189,8 @@ std::vector<T> NpyReader::read() const {
 template std::vector<float> NpyReader::read() const;
 template std::vector<double> NpyReader::read() const;
 template std::vector<int64_t> NpyReader::read() const;
+template std::vector<float> NpyReader::read(uint64_t, uint64_t) const;
+template std::vector<double> NpyReader::read(uint64_t, uint64_t) const;
 
 template <class T>
 NpyFile<T>::NpyFile(std::filesystem::path path, const std::vector<uint64_t>& shape) : out_(std::move(path)) {

@@ -59,6 +59,11 @@ public:
     /// for those beyond what a float holds); or int64_t, of whole numbers alone (UserError).
     template <class T>
     std::vector<T> read() const;
+    /// Of these so many from an element on. Throws std::logic_error beyond the end, and for the parts of an array whose
+    /// first index runs fastest.
+    template <class T>
+    std::vector<T> read(uint64_t first, uint64_t count) const;
+    bool first_index_fastest() const { return fortran_; }
 
 private:
     [[noreturn]] void fail(const std::string& problem) const;
@@ -74,5 +79,7 @@ private:
 extern template std::vector<float> NpyReader::read() const;
 extern template std::vector<double> NpyReader::read() const;
 extern template std::vector<int64_t> NpyReader::read() const;
+extern template std::vector<float> NpyReader::read(uint64_t, uint64_t) const;
+extern template std::vector<double> NpyReader::read(uint64_t, uint64_t) const;
 
 }  // namespace radiafit

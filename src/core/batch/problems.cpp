@@ -10,6 +10,7 @@
 
 #include "base/choose.h"
 #include "base/error.h"
+#include "base/journal.h"
 #include "base/log.h"
 #include "base/parallel.h"
 
@@ -23,16 +24,22 @@ void require_size(const char* what, size_t found, size_t needed, const std::stri
     if (found != needed) throw UserError(fmt::format("{}: {} numbers, where {} makes {}", what, found, form, needed));
 }
 
+}  // namespace
+
+void check_offsets(std::span<const int64_t> offsets) {
+    if (offsets[0] != 0) throw UserError(fmt::format("offsets: begin with {}; the first is 0", offsets[0]));
+    for (size_t i = 1; i < offsets.size(); ++i)
+        if (offsets[i] < offsets[i - 1])
+            throw UserError(
+                fmt::format("offsets: number {} is {}, less than the one before it; they never fall", i, offsets[i]));
+}
+
 template <class real>
-void check(const ModelText& model, const Problems<real>& p, const Options& o) {
+void check_problems(const ModelText& model, const Problems<real>& p, const Options& o) {
     const size_t P = model.parameters.size(), T = model.terms.size(), Y = model.values.size();
     if (!p.offsets.empty()) {
         require_size("offsets", p.offsets.size(), p.count + 1, fmt::format("{} problems + 1", p.count));
-        if (p.offsets[0] != 0) throw UserError(fmt::format("offsets: begin with {}; the first is 0", p.offsets[0]));
-        for (size_t i = 0; i < p.count; ++i)
-            if (p.offsets[i + 1] < p.offsets[i])
-                throw UserError(fmt::format("offsets: number {} is {}, less than the one before it; they never fall",
-                                            i + 1, p.offsets[i + 1]));
+        check_offsets(p.offsets);
     }
     const size_t all = p.all_samples();
     require_size("targets", p.targets.size(), all * Y, fmt::format("{} samples of {} values", all, Y));
@@ -50,7 +57,7 @@ void check(const ModelText& model, const Problems<real>& p, const Options& o) {
     for (size_t i = 0; i < p.starts.size(); ++i)
         if (!std::isfinite(p.starts[i]))
             throw UserError(fmt::format("starts: {} of problem {} is no finite number", model.parameters[i % P],
-                                        i / P % std::max<size_t>(1, p.count)));
+                                        p.first + i / P % std::max<size_t>(1, p.count)));
     for (const auto* bounds : {&o.lower, &o.upper})
         if (!bounds->empty()) require_size("bounds", bounds->size(), P, fmt::format("{} parameters", P));
     if (!o.fixed.empty()) require_size("fixed", o.fixed.size(), P, fmt::format("{} parameters", P));
@@ -60,12 +67,12 @@ void check(const ModelText& model, const Problems<real>& p, const Options& o) {
             throw UserError(fmt::format("bounds of {}: from {} to {}; the lower one is no more than the upper one",
                                         model.parameters[i], low, high));
     }
-    if (o.iterations < 0) throw UserError(fmt::format("iterations = {}: choose 0 or more", o.iterations));
+    if (o.iterations.value_or(0) < 0) throw UserError(fmt::format("iterations = {}: choose 0 or more", *o.iterations));
+    if (!(o.learning_rate > 0 && std::isfinite(o.learning_rate)))
+        throw UserError(fmt::format("learning-rate = {}: choose a number above 0", o.learning_rate));
     if (!(o.tolerance >= 0)) throw UserError(fmt::format("tolerance = {}: choose 0 or more", o.tolerance));
     if (!(o.loss_scale > 0)) throw UserError(fmt::format("loss-scale = {}: choose a number above 0", o.loss_scale));
 }
-
-}  // namespace
 
 template <class real>
 size_t Problems<real>::most_samples() const {
@@ -104,6 +111,17 @@ std::vector<bool> among_parameters(const ModelText& model, const std::string& wh
     return out;
 }
 
+int default_iterations(BatchOptimizer optimizer) {
+    return optimizer == BatchOptimizer::levenberg_marquardt ? 200 : 2000;
+}
+
+const std::vector<std::pair<std::string, BatchOptimizer>>& batch_optimizers() {
+    static const std::vector<std::pair<std::string, BatchOptimizer>> all = {{"lm", BatchOptimizer::levenberg_marquardt},
+                                                                            {"cg", BatchOptimizer::conjugate_gradients},
+                                                                            {"lbfgs", BatchOptimizer::lbfgs},
+                                                                            {"adam", BatchOptimizer::adam}};
+    return all;
+}
 const std::vector<std::pair<std::string, BatchLoss>>& batch_losses() {
     static const std::vector<std::pair<std::string, BatchLoss>> all = {
         {"square", BatchLoss::square}, {"huber", BatchLoss::huber}, {"cauchy", BatchLoss::cauchy}};
@@ -139,7 +157,7 @@ Solution<real> solve(const CompiledModel& model, const Problems<real>& problems,
     const size_t P = model.text().parameters.size(), T = model.text().terms.size();
     if ((model.precision() == Precision::double_precision) != (sizeof(real) == 8))
         throw std::logic_error("batch::solve: the model was compiled for another precision");
-    check(model.text(), problems, options);
+    check_problems(model.text(), problems, options);
     Solution<real> out;
     out.parameters.resize(problems.count * P);
     out.deviations.resize(problems.count * P);
@@ -172,7 +190,9 @@ Solution<real> solve(const CompiledModel& model, const Problems<real>& problems,
         .lower = lower.data(),
         .upper = upper.data(),
         .fixed = fixed.data(),
-        .iterations = options.iterations,
+        .optimizer = options.optimizer,
+        .learning_rate = options.learning_rate,
+        .iterations = options.iterations.value_or(default_iterations(options.optimizer)),
         .tolerance = options.tolerance > 0 ? options.tolerance
                      : sizeof(real) == 8   ? 1e-9
                                            : 1e-3,
@@ -190,18 +210,33 @@ Solution<real> solve(const CompiledModel& model, const Problems<real>& problems,
     const size_t bytes = size_t(model.storage_bytes((long long)problems.most_samples()));
     std::vector<std::vector<std::byte>> storage(static_cast<size_t>(thread_count()));
     const size_t chunks = (problems.count + problems_at_once - 1) / problems_at_once;
-    Progress progress("solve", chunks);
-    parallel_for(chunks, 1, [&](size_t i, int worker) {
+    std::optional<Progress> own_progress;
+    if (!options.progress) own_progress.emplace("solve", problems.count);
+    Progress& progress = options.progress ? *options.progress : *own_progress;
+    const auto count_of = [&](size_t i) { return std::min(problems_at_once, problems.count - i * problems_at_once); };
+    const auto fields = [&](auto& visit, size_t i) {
+        const auto part = [&](auto& numbers, size_t of_each) {
+            visit(std::span(numbers).subspan(i * problems_at_once * of_each, count_of(i) * of_each));
+        };
+        part(out.parameters, P);
+        part(out.deviations, P);
+        if (options.covariance) part(out.covariance, P * P);
+        part(out.error, 1);
+        part(out.status, 1);
+        part(out.steps, 1);
+        part(seen, 1);
+    };
+    const auto work = [&](size_t i, int worker) {
         storage[size_t(worker)].resize(bytes + alignment);
         void* own = storage[size_t(worker)].data();
         size_t space = bytes + alignment;
         std::align(alignment, bytes, own, space);
         Chunk some = all;
         some.first = (long long)(i * problems_at_once);
-        some.count = (long long)std::min(problems_at_once, problems.count - i * problems_at_once);
+        some.count = (long long)count_of(i);
         model.solve(some, own);
-        progress.advance();
-    });
+    };
+    finish_blocks(options.journal, chunks, fields, work, [&](size_t i) { progress.advance(count_of(i)); });
     out.samples.assign(seen.begin(), seen.end());
     return out;
 }
@@ -210,6 +245,8 @@ template struct Problems<float>;
 template struct Problems<double>;
 template struct Solution<float>;
 template struct Solution<double>;
+template void check_problems(const ModelText&, const Problems<float>&, const Options&);
+template void check_problems(const ModelText&, const Problems<double>&, const Options&);
 template Solution<float> solve(const CompiledModel&, const Problems<float>&, const Options&);
 template Solution<double> solve(const CompiledModel&, const Problems<double>&, const Options&);
 

@@ -1,12 +1,18 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "batch/compiled_model.h"
+
+namespace radiafit {
+class Journal;
+class Progress;
+}  // namespace radiafit
 
 /// Many small least-squares problems of one model,
 ///     1/2 sum over samples s of w_s |value(p, t_s) - y_s|^2,
@@ -25,13 +31,16 @@ struct Problems {
     std::span<const real> weights;  ///< [all samples], 1 / variance; empty: 1. 0: missing
     std::span<const real> starts;   ///< [start_count][count or 1][parameters]
     size_t start_count = 1;         ///< the best end of so many is taken
+    size_t first = 0;               ///< of more problems, these are those from this one on: for messages alone
 
     size_t all_samples() const { return offsets.empty() ? count * samples : size_t(offsets.back()); }
     size_t most_samples() const;
 };
 
 struct Options {
-    int iterations = 200;
+    BatchOptimizer optimizer = BatchOptimizer::levenberg_marquardt;
+    double learning_rate = 0.01;  ///< of Adam: its first step of a parameter, where 1 changes values by the residuals
+    std::optional<int> iterations = {};  ///< at most; none: default_iterations()
     double tolerance =
         0;  ///< ends where a parameter's next step is so many of its standard deviations; 0: by precision
     std::vector<double> lower = {}, upper = {};  ///< [parameters]; empty: none
@@ -40,6 +49,8 @@ struct Options {
     double loss_scale = 1;     ///< of a residual times the root of its weight, beyond which the loss is robust
     bool known_noise = false;  ///< weights are 1 / variance; else relative to it, and it is found from the residuals
     bool covariance = true;
+    Journal* journal = nullptr;    ///< of problems that are solved; null: none is kept
+    Progress* progress = nullptr;  ///< advances by a step a problem; null: one of its own
 };
 
 template <class real>
@@ -64,15 +75,25 @@ std::vector<double> of_parameters(const ModelText& model, const std::string& wha
 std::vector<bool> among_parameters(const ModelText& model, const std::string& what,
                                    const std::vector<std::string>& names);
 
+/// How many an optimizer may take where nothing else is said.
+int default_iterations(BatchOptimizer optimizer);
+
 /// By name, for options.
+const std::vector<std::pair<std::string, BatchOptimizer>>& batch_optimizers();
 const std::vector<std::pair<std::string, BatchLoss>>& batch_losses();
 const std::vector<std::pair<std::string, Precision>>& precisions();
 
 const char* name_of(BatchStatus status);     ///< "at_bound"
 const char* meaning_of(BatchStatus status);  ///< in a few words
 
-/// Solves them on all cores. Throws UserError for arrays whose sizes don't fit the model, offsets that fall, bounds
-/// that cross, or a start that is no number. The same bits whatever the number of threads.
+/// Throws UserError for offsets (one at least) that don't begin with 0, or fall.
+void check_offsets(std::span<const int64_t> offsets);
+/// Throws UserError for arrays whose sizes don't fit the model, offsets that fall, weights that are none, bounds that
+/// cross, or a start that is no number.
+template <class real>
+void check_problems(const ModelText& model, const Problems<real>& problems, const Options& options);
+
+/// Solves them on all cores. Throws as check_problems() does. The same bits whatever the number of threads.
 template <class real>
 Solution<real> solve(const CompiledModel& model, const Problems<real>& problems, const Options& options);
 

@@ -25,16 +25,22 @@ std::string text_of(const Json& options, const std::string& name) {
     return value.is_null() ? "unknown" : value.dump();
 }
 
-/// The revision, and which build of it.
-std::string program_name() { return fmt::format("{} {:016x}", git_revision(), file_checksum("/proc/self/exe")); }
+/// As the command line has it.
+std::string flag_of(const std::string& name) {
+    for (const FitOption& o : fit_options())
+        if (o.name == name) return o.first_flag();
+    return "--" + name;
+}
 }  // namespace
+
+std::string program_key() { return fmt::format("{} {:016x}", git_revision(), file_checksum("/proc/self/exe")); }
 
 std::string fit_key(const Dataset& dataset, const FitRequest& request) {
     Json options = Json::object();
     for (const FitOption& o : fit_options())
         if (o.decides_result) options[o.name] = Json::parse(o.json(request));
     const std::string text = text_of_model(request.model_name);
-    return Json{{"program", program_name()},
+    return Json{{"program", program_key()},
                 {"dataset", fingerprint(dataset).digest},
                 {"images", dataset_checksum(dataset)},
                 {"options", options},
@@ -54,11 +60,13 @@ std::string difference_of_keys(const std::string& there, const std::string& here
         found.push_back("it is of another dataset");
     else if (differ("images"))
         found.push_back("the dataset was made anew since");
+    if (differ("problems")) found.push_back("the problems are others");
     if (differ("model_text")) found.push_back("the model's text is another");
     const Json ours = a.value("options", Json()), theirs = b.value("options", Json());
-    for (const FitOption& o : fit_options())
-        if (const std::string x = text_of(ours, o.name), y = text_of(theirs, o.name); o.decides_result && x != y)
-            found.push_back(fmt::format("{} is {} there, {} here", o.first_flag(), x, y));
+    if (!ours.is_object()) return "it is of another kind, or damaged";
+    for (const auto& option : theirs.items())
+        if (const std::string x = text_of(ours, option.key()), y = text_of(theirs, option.key()); x != y)
+            found.push_back(fmt::format("{} is {} there, {} here", flag_of(option.key()), x, y));
     return found.empty() ? "it is of another kind, or damaged" : fmt::format("{}", fmt::join(found, "; "));
 }
 

@@ -39,6 +39,11 @@ fs::path unfinished_folder(const fs::path& out) {
 
 bool anything_unfinished(const fs::path& folder) { return !files_in(folder).empty(); }
 
+std::string what_is_unfinished(const fs::path& folder) {
+    if (!anything_unfinished(folder)) return "nothing was finished: the same command begins anew";
+    return fmt::format("{} keeps what is finished; the same command with --resume goes on from there", folder.string());
+}
+
 std::string why_not_resumable(const fs::path& folder, const std::string& key) {
     for (const fs::path& file : files_in(folder)) {
         const std::string there = is_journal(file) ? Journal::key_of(file) : part_key(file);

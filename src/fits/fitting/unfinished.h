@@ -15,6 +15,9 @@ std::filesystem::path unfinished_folder(const std::filesystem::path& out);
 /// Whether something is there to go on from.
 bool anything_unfinished(const std::filesystem::path& folder);
 
+/// What a user whose fit was stopped is told of it.
+std::string what_is_unfinished(const std::filesystem::path& folder);
+
 /// Why a fit of this key can't go on from what a folder holds: "holds parts of another fit: --terms is 2 there, 3
 /// here". Empty where it can, and where nothing is there. Throws UserError for a damaged part.
 std::string why_not_resumable(const std::filesystem::path& folder, const std::string& key);

@@ -11,9 +11,11 @@
 #include "base/interrupt.h"
 #include "base/journal.h"
 #include "base/log.h"
+#include "base/read_file.h"
 #include "base/record.h"
 #include "base/resources.h"
 #include "cli/commands.h"
+#include "cli/solution_folder.h"
 #include "dataset/checksums.h"
 #include "eval/outliers.h"
 #include "fitting/family.h"
@@ -139,11 +141,7 @@ void fit(const FitCommand& command, const Dataset& dataset, const FitRequest& re
         try {
             fit_alone(command, dataset, request, begun, parts);
         } catch (Interrupted& stop) {
-            stop.note =
-                anything_unfinished(parts)
-                    ? fmt::format("{} keeps what is finished; the same command with --resume goes on from there",
-                                  parts.string())
-                    : "nothing was finished: the same command begins anew";
+            stop.note = what_is_unfinished(parts);
             throw;
         }
     }
@@ -242,14 +240,24 @@ void add_merge(CommandLine& program, const Invocation& invocation) {
     auto folders = std::make_shared<std::vector<std::string>>();
     auto moved_to = std::make_shared<std::string>();
     auto o = std::make_shared<FitCommand>();
-    CommandLine& command = program.add_command("merge", "put the shards of a fit together");
-    command.add_rest("shards", *folders, "folders that radiafit fit --shard wrote, all of one fit").required().input();
+    CommandLine& command = program.add_command("merge", "put the shards of a fit, or of a solution, together");
+    command.add_rest("shards", *folders, "folders that radiafit fit --shard or solve --shard wrote, all of one")
+        .required()
+        .input();
     command.add_text("--dataset", *moved_to, "where the dataset is now, if it moved").idle();
-    command.add_text("-o,--output", o->out, "folder of the fit").required().idle();
+    command.add_text("-o,--output", o->out, "folder of the whole").required().idle();
     add_json(command, o->json);
-    command.writes([=] { return std::vector{fit_target(o->out)}; }, [o] { print_done(o->out, o->json); });
-    command.on_run([=] {
+    const auto of_solution = [=] { return path_exists(std::filesystem::path(folders->front()) / solution_json_name); };
+    command.writes([=] { return std::vector{of_solution() ? OutputTarget{.path = o->out} : fit_target(o->out)}; },
+                   [o] { print_done(o->out, o->json); });
+    command.on_run([=, &command] {
         { const AtomicFolder tried(o->out, AtomicFolder::Existing::replace); }
+        if (of_solution()) {
+            for (const char* option : {"--dataset", "--json"})
+                if (command.given(option)) throw UserError(fmt::format("{} is of shards of a fit", option));
+            return merge_solutions({folders->begin(), folders->end()}, o->out,
+                                   make_record(invocation.argc, invocation.argv));
+        }
         const ShardNote note = read_shard(folders->front());
         const Dataset dataset = open_dataset(moved_to->empty() ? note.dataset : std::filesystem::path(*moved_to));
         const Record begun = begin_record(dataset, invocation.argc, invocation.argv);

@@ -9,31 +9,44 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/choose.h"
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/hash.h"
+#include "base/interrupt.h"
+#include "base/journal.h"
 #include "base/log.h"
+#include "base/resources.h"
 #include "batch/problem_files.h"
 #include "cli/commands.h"
-#include "fitting/problem_folder.h"
-#include "report/csv.h"
+#include "cli/solution_folder.h"
+#include "dataset/checksums.h"
+#include "fitting/fit_key.h"
+#include "fitting/limits.h"
+#include "fitting/solvers/solve.h"
+#include "fitting/unfinished.h"
 
 namespace radiafit::tools {
 namespace {
 
 using batch::BatchStatus;
+using Json = nlohmann::ordered_json;
 
 struct SolveCommand {
-    std::string input, model, out;
+    std::string input, model, out, shard;
     std::vector<std::string> start, lower, upper, fix;
     batch::Precision precision = batch::Precision::double_precision;
     batch::Options options;
-    bool json = false;
+    int iterations = batch::default_iterations(batch::Options().optimizer);
+    double checkpoint_s = FitRequest().checkpoint_s;
+    bool json = false, resume = false, force = false;
 };
 
 constexpr double huge = std::numeric_limits<double>::max();
 constexpr Range<int> iteration_range{0, 1'000'000};
 constexpr Range<double> tolerance_range{0, 1, "0 is by the precision"};
 constexpr Range<double> scale_range{1e-30, 1e30};
+constexpr Range<double> rate_range{1e-12, 1e3};
 
 /// What stands between the commas of texts.
 std::vector<std::string> parts_of(const std::vector<std::string>& texts) {
@@ -58,82 +71,141 @@ batch::ByName by_name(const std::string& option, const std::vector<std::string>&
     return out;
 }
 
-template <class real>
-void write_table(const std::filesystem::path& file, const batch::ModelText& model,
-                 const batch::StoredProblems<real>& problems, const batch::Solution<real>& solution) {
-    std::vector<std::string> header = {"problem"};
-    for (const std::string& name : model.parameters) header.insert(header.end(), {name, "sigma_" + name});
-    header.insert(header.end(), {"error", "samples", "iterations", "status"});
-    CsvWriter table(file, header);
-    const size_t parameters = model.parameters.size();
-    for (size_t i = 0; i < problems.count; ++i) {
-        std::vector<std::string> row = {problems.labels[i]};
-        for (size_t k = i * parameters; k < (i + 1) * parameters; ++k)
-            for (const real x : {solution.parameters[k], solution.deviations[k]}) row.push_back(fmt::format("{}", x));
-        row.insert(row.end(), {fmt::format("{}", solution.error[i]), std::to_string(solution.samples[i]),
-                               std::to_string(solution.steps[i]), batch::name_of(BatchStatus(solution.status[i]))});
-        table.row(row);
+/// All that decides a solution, as JSON: what an interrupted run left, and shards, carry it.
+std::string solve_key(const SolveCommand& command, const batch::ModelText& model,
+                      const std::vector<std::filesystem::path>& files) {
+    std::string problems;
+    for (const std::filesystem::path& file : files) problems += fmt::format("{:016x}", file_checksum(file));
+    const batch::Options& o = command.options;
+    const auto joined = [](const std::vector<std::string>& texts) { return fmt::format("{}", fmt::join(texts, ",")); };
+    return Json{{"program", program_key()},
+                {"problems", problems},
+                {"options",
+                 {{"start", joined(command.start)},
+                  {"lower", joined(command.lower)},
+                  {"upper", joined(command.upper)},
+                  {"fix", joined(command.fix)},
+                  {"precision", name_of_choice(batch::precisions(), command.precision)},
+                  {"optimizer", name_of_choice(batch::batch_optimizers(), o.optimizer)},
+                  {"learning-rate", o.learning_rate},
+                  {"iterations", *o.iterations},
+                  {"tolerance", o.tolerance},
+                  {"loss", name_of_choice(batch::batch_losses(), o.loss)},
+                  {"loss-scale", o.loss_scale},
+                  {"known-noise", o.known_noise}}},
+                {"model_text", fmt::format("{:016x}", hash_bytes(model.text.data(), model.text.size()))}}
+        .dump();
+}
+
+/// Problems that are in memory at a time.
+struct Block {
+    size_t first, count;
+};
+
+/// Those of a range, of so many bytes each at most, but of one problem at least.
+template <class Bytes>
+std::vector<Block> blocks_of(Block range, uint64_t most, const Bytes& bytes) {
+    std::vector<Block> out;
+    for (size_t first = range.first, end = range.first + range.count; first < end;) {
+        size_t fits = 1, beyond = end - first + 1;
+        while (beyond - fits > 1) {
+            const size_t middle = fits + (beyond - fits) / 2;
+            (bytes(first, middle) <= most ? fits : beyond) = middle;
+        }
+        out.push_back({first, fits});
+        first += fits;
     }
-    table.commit();
+    return out;
 }
 
-nlohmann::ordered_json status_json(const std::vector<size_t>& counts) {
-    auto json = nlohmann::ordered_json::object();
-    for (size_t s = 0; s < counts.size(); ++s) json[batch::name_of(BatchStatus(s))] = counts[s];
-    return json;
+constexpr uint64_t block_bytes = 256 << 20;
+
+Block share_of(const std::optional<Shard>& shard, size_t problems) {
+    if (!shard) return {0, problems};
+    const size_t i = size_t(shard->index), n = size_t(shard->count);
+    if (n > problems)
+        throw UserError(fmt::format("--shard {}/{}: there are {} problems; choose fewer shards", i, n, problems));
+    const size_t first = problems * (i - 1) / n;
+    return {first, problems * i / n - first};
 }
 
+void print_solution(const SolutionNote& note, bool json) {
+    if (json) {
+        fmt::print("{}\n", Json{{"problems", note.problems},
+                                {"seconds", note.seconds},
+                                {"statuses", Json::parse(statuses_json(note.statuses))}}
+                               .dump());
+        return;
+    }
+    fmt::print("{} problems in {:.3g} s: {:.3g} a second\n", note.problems, note.seconds,
+               double(note.problems) / note.seconds);
+    for (size_t s = 0; s < note.statuses.size(); ++s)
+        if (note.statuses[s] > 0)
+            fmt::print("  {} {}: {}\n", note.statuses[s], batch::name_of(BatchStatus(s)),
+                       batch::meaning_of(BatchStatus(s)));
+}
+
+/// Block by block; `unfinished` keeps what is solved.
 template <class real>
-void solve_files(const SolveCommand& command, const Invocation& invocation) {
-    ProblemFolder folder(command.out, "radiafit-solution");
-    const Record record = make_record(invocation.argc, invocation.argv);
+void solve_blocks(const SolveCommand& command, const Record& record, const std::filesystem::path& unfinished) {
     const batch::ModelText text = batch::read_model_file(command.model);
     batch::Options options = command.options;
     options.lower = batch::of_parameters(text, "lower", by_name("lower", command.lower), -INFINITY);
     options.upper = batch::of_parameters(text, "upper", by_name("upper", command.upper), INFINITY);
     options.fixed = batch::among_parameters(text, "fix", parts_of(command.fix));
-    const auto problems = batch::read_problems<real>(command.input, text, by_name("start", command.start));
+    const batch::ProblemFiles<real> files(command.input, text, by_name("start", command.start));
+    SolutionNote note{.model = text, .precision = command.precision, .labelled = !files.labels().empty()};
+    if (!command.shard.empty()) note.shard = parse_shard(command.shard);
+    const Block range = share_of(note.shard, files.count());
+    note.problems = range.count;
+    note.key = solve_key(command, text, files.files());
+    check_unfinished(unfinished, note.key, command.resume);
+
+    const auto bytes = [&](size_t first, size_t count) {
+        return files.bytes(first, count) + count * solution_bytes(note);
+    };
+    const std::vector<Block> blocks = blocks_of(range, block_bytes, bytes);
+    uint64_t most = 0;
+    for (const Block& b : blocks) most = std::max(most, bytes(b.first, b.count));
+    const uint64_t kept = command.checkpoint_s > 0 ? 2 : 1;
+    announce_needs("solve", {files.held_bytes() + most + program_bytes, kept * range.count * solution_bytes(note)},
+                   command.out, command.force);
+    SolutionFolder<real> folder(command.out, note);
+    if (blocks.size() > 1)  // what is wrong in the last one shows now, not at the end
+        for (const Block& b : blocks) batch::check_problems(text, files.read(b.first, b.count).arrays(), options);
     const batch::CompiledModel model(text, command.precision);
     if (model.seconds() > 0)
         log_info(fmt::format("{}: compiled in {:.1f} s, and kept", command.model, model.seconds()));
-    const Stopwatch clock;
-    const batch::Solution<real> solution = batch::solve(model, problems.arrays(), options);
-    const double seconds = clock.wall_s();
 
-    const uint64_t n = problems.count, p = text.parameters.size();
-    folder.write<real>("parameters", {n, p}, solution.parameters,
-                       "of the best end of each problem, as `parameters` names them");
-    folder.write<real>("sigma", {n, p}, solution.deviations,
-                       "standard deviations; 0: fixed, or at a bound; infinite: not determined");
-    folder.write<real>("covariance", {n, p, p}, solution.covariance, "of the parameters");
-    folder.write<real>("chi2", {n}, solution.error, "sum of weight times squared residual, or of the loss");
-    folder.write<int32_t>("status", {n}, solution.status, "how each ended, as `statuses` names them from 0 on");
-    folder.write<int32_t>("iterations", {n}, solution.steps, "steps tried, of the best start");
-    folder.write<int64_t>("samples", {n}, solution.samples, "that are not missing");
-    if (!problems.labels.empty()) write_table(folder.path() / "solution.csv", text, problems, solution);
-    const auto json = [](const auto& value) {
-        using Json = nlohmann::ordered_json;  // a model's comments may be in another encoding than UTF-8
-        return Json(value).dump(-1, ' ', false, Json::error_handler_t::replace);
-    };
-    const std::vector<size_t> counts = solution.counts();
-    folder.tell("model", json(text.text));
-    folder.tell("parameters", json(text.parameters));
-    folder.tell("terms", json(text.terms));
-    folder.tell("values", json(text.values));
-    folder.tell("statuses", status_json(counts).dump());
-    folder.tell("seconds", json(seconds));
-    folder.commit(record);
-
-    if (command.json) {
-        fmt::print(
-            "{}\n",
-            nlohmann::ordered_json{{"problems", n}, {"seconds", seconds}, {"statuses", status_json(counts)}}.dump());
-        return;
+    Journal journal(unfinished / (std::string("solution") + journal_extension), note.key, command.checkpoint_s);
+    Progress progress("solve", range.count);
+    options.journal = &journal;
+    options.progress = &progress;
+    note.statuses.assign(size_t(BatchStatus::count), 0);
+    for (const Block& b : blocks) {
+        const batch::StoredProblems<real> problems = files.read(b.first, b.count);
+        const Stopwatch clock;
+        const batch::Solution<real> solution = batch::solve(model, problems.arrays(), options);
+        note.seconds += clock.wall_s();
+        const std::vector<size_t> counts = solution.counts();
+        for (size_t s = 0; s < counts.size(); ++s) note.statuses[s] += counts[s];
+        folder.add(solution, problems.labels);
     }
-    fmt::print("{} problems in {:.3g} s: {:.3g} a second\n", n, seconds, double(n) / seconds);
-    for (size_t s = 0; s < counts.size(); ++s)
-        if (counts[s] > 0)
-            fmt::print("  {} {}: {}\n", counts[s], batch::name_of(BatchStatus(s)), batch::meaning_of(BatchStatus(s)));
+    progress.finish();
+    folder.commit(note, record);
+    remove_unfinished(unfinished);
+    print_solution(note, command.json);
+}
+
+template <class real>
+void solve_files(const SolveCommand& command, const Invocation& invocation) {
+    const std::filesystem::path unfinished = unfinished_folder(command.out);
+    try {
+        solve_blocks<real>(command, make_record(invocation.argc, invocation.argv), unfinished);
+    } catch (Interrupted& stop) {
+        stop.note = what_is_unfinished(unfinished);
+        throw;
+    }
 }
 
 }  // namespace
@@ -154,7 +226,14 @@ void add_solve(CommandLine& program, const Invocation& invocation) {
     command.add_words("--fix", o->fix, "parameters that stay as they start: NAME, between commas");
     command.add_choice("--precision", o->precision, batch::precisions(),
                        "of all numbers: double or float; default: double");
-    command.add_number("--iterations", o->options.iterations, iteration_range, "steps at most");
+    command.add_choice(
+        "--optimizer", o->options.optimizer, batch::batch_optimizers(),
+        "lm: Levenberg and Marquardt's method; cg, lbfgs, adam: by gradients, in more steps; default: lm");
+    command.add_number("--learning-rate", o->options.learning_rate, rate_range,
+                       "of adam: its first step, where 1 changes a model's values by as much as they miss the targets");
+    command.add_number(
+        "--iterations", o->iterations, iteration_range,
+        fmt::format("steps at most; {} where it is not lm", batch::default_iterations(batch::BatchOptimizer::adam)));
     command.add_number("--tolerance", o->options.tolerance, tolerance_range,
                        "a fit ends where its next step is so many standard deviations");
     command.add_choice("--loss", o->options.loss, batch::batch_losses(),
@@ -164,8 +243,23 @@ void add_solve(CommandLine& program, const Invocation& invocation) {
     command.add_flag(
         "--known-noise", o->options.known_noise,
         "weights are 1 / variance; otherwise relative to it, and the variance is found from the residuals");
+    command.add_text("--shard", o->shard,
+                     "2/7: only the second of seven shares of the problems, into a folder for radiafit merge");
+    command
+        .add_flag("--resume", o->resume,
+                  "go on from what a run that was stopped left in OUTPUT.parts, and refuse it if it is of another")
+        .idle();
+    command
+        .add_number("--checkpoint", o->checkpoint_s, limits::checkpoint,
+                    "seconds after which what is solved goes to OUTPUT.parts again")
+        .idle();
+    add_force(command, o->force);
     add_json(command, o->json);
-    command.on_run([=, &invocation] {
+    command.on_run([=, &command, &invocation] {
+        const bool given = command.given("--iterations");
+        o->options.iterations = given ? o->iterations : batch::default_iterations(o->options.optimizer);
+        if (command.given("--learning-rate") && o->options.optimizer != batch::BatchOptimizer::adam)
+            throw UserError("--learning-rate is of --optimizer adam; leave out one of them");
         if (o->precision == batch::Precision::double_precision)
             solve_files<double>(*o, invocation);
         else

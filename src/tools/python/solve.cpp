@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/choose.h"
 #include "base/error.h"
@@ -78,11 +79,14 @@ py::dict solved(const ModelText& text, const Call& call, Precision precision) {
 
 py::dict solve_arrays(const std::string& model, py::object terms, py::object targets, py::object start,
                       py::object weights, py::object offsets, const ByName& lower, const ByName& upper,
-                      const std::vector<std::string>& fix, const std::string& precision, int iterations,
-                      double tolerance, const std::string& loss, double loss_scale, bool known_noise, bool covariance) {
+                      const std::vector<std::string>& fix, const std::string& precision, const std::string& optimizer,
+                      double learning_rate, std::optional<int> iterations, double tolerance, const std::string& loss,
+                      double loss_scale, bool known_noise, bool covariance) {
     const ModelText text = model.find('{') == std::string::npos ? read_model_file(model) : read_model("model", model);
     Call call{std::move(terms), std::move(targets), std::move(weights), std::move(offsets), std::move(start), {}};
-    call.options = {.iterations = iterations,
+    call.options = {.optimizer = choose<BatchOptimizer>("optimizer", optimizer, batch_optimizers()),
+                    .learning_rate = learning_rate,
+                    .iterations = iterations,
                     .tolerance = tolerance,
                     .lower = of_parameters(text, "lower", lower, -INFINITY),
                     .upper = of_parameters(text, "upper", upper, INFINITY),
@@ -102,9 +106,9 @@ void add_solve(py::module_& module) {
     using namespace py::literals;
     module.def("solve", solve_arrays, "model"_a, "terms"_a, "targets"_a, py::kw_only(), "start"_a,
                "weights"_a = py::none(), "offsets"_a = py::none(), "lower"_a = ByName(), "upper"_a = ByName(),
-               "fix"_a = std::vector<std::string>(), "precision"_a = "double", "iterations"_a = Options().iterations,
-               "tolerance"_a = 0.0, "loss"_a = "square", "loss_scale"_a = 1.0, "known_noise"_a = false,
-               "covariance"_a = true,
+               "fix"_a = std::vector<std::string>(), "precision"_a = "double", "optimizer"_a = "lm",
+               "learning_rate"_a = Options().learning_rate, "iterations"_a = py::none(), "tolerance"_a = 0.0,
+               "loss"_a = "square", "loss_scale"_a = 1.0, "known_noise"_a = false, "covariance"_a = true,
                "Fits a model, a text or the name of its file, to many small sets of samples (docs/solve.md). terms: "
                "[problem, sample, term], or [sample, term] for all problems; targets: [problem, sample, value]; with "
                "offsets [sample, ...] of all problems. start: a dict by name, [parameter], [problem, parameter] or "

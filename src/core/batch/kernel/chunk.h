@@ -4,6 +4,8 @@ namespace radiafit::batch {
 
 enum class BatchLoss : int { square, huber, cauchy };
 
+enum class BatchOptimizer : int { levenberg_marquardt, conjugate_gradients, lbfgs, adam };
+
 /// How a problem ended.
 enum class BatchStatus : int {
     converged,        ///< at a minimum, which the samples determine
@@ -30,6 +32,8 @@ struct Chunk {
     long long starts_of_each;    ///< all problems, or 1: each starts from the same
     const void *lower, *upper;   ///< real [parameters]
     const unsigned char* fixed;  ///< [parameters] 1: stays as it starts
+    BatchOptimizer optimizer;
+    double learning_rate;  ///< of Adam: its first step of a parameter, in the unit of batch/kernel/first_order.h
     int iterations;
     double tolerance;  ///< of a parameter, in standard deviations
     BatchLoss loss;

@@ -124,4 +124,33 @@ RADIAFIT_INLINE Wide<double> exp(const Wide<double>& x) {
     return y;
 }
 
+/// Whether a mask holds in any lane.
+template <class Mask>
+inline bool any_of(const Mask& mask) {
+    unsigned long long words[sizeof(Mask) / 8], all = 0;
+    __builtin_memcpy(words, &mask, sizeof mask);
+    for (const unsigned long long word : words) all |= word;
+    return all != 0;
+}
+
+// Not by comparison, since the compiler may take all numbers for finite.
+inline bool is_finite(float x) {
+    unsigned bits;
+    __builtin_memcpy(&bits, &x, sizeof bits);
+    return (bits & 0x7f800000u) != 0x7f800000u;
+}
+inline bool is_finite(double x) {
+    unsigned long long bits;
+    __builtin_memcpy(&bits, &x, sizeof bits);
+    return (bits & 0x7ff0000000000000ull) != 0x7ff0000000000000ull;
+}
+template <class real>
+inline typename Wide<real>::Mask is_finite(const Wide<real>& x) {
+    using Mask = typename Wide<real>::Mask;
+    using Integer = decltype(Mask{}[0] + 0);
+    constexpr auto exponent = sizeof(real) == 8 ? 0x7ff0000000000000ll : 0x7f800000ll;
+    const Mask bits = (Mask)x.v & (Mask{} + (Integer)exponent);
+    return bits != Mask{} + (Integer)exponent;
+}
+
 }  // namespace radiafit::batch

@@ -1,77 +1,35 @@
 #pragma once
-// Levenberg-Marquardt for many small problems of one model, each in a lane, which takes the next problem as soon as one
-// has ended (Levenberg 1944, Marquardt 1963; scaled as in Moré 1978; damped as in Madsen, Nielsen and Tingleff 2004,
-// section 3.2). Compiled with a model's text, for the widest vectors that the machine has.
+// Many small problems of one model, each in a lane, which takes the next problem as soon as one has ended. They are
+// solved by Levenberg and Marquardt's method (Levenberg 1944, Marquardt 1963; scaled as in Moré 1978; damped as in
+// Madsen, Nielsen and Tingleff 2004, section 3.2), or by one that uses gradients alone. Compiled with a model's text,
+// for the widest vectors that the machine has.
 #include "batch/kernel/chunk.h"
+#include "batch/kernel/first_order.h"
+#include "batch/kernel/lane_samples.h"
 #include "batch/kernel/numbers.h"
+#include "batch/kernel/small_matrix.h"
 
 namespace radiafit::batch {
-
-template <class number>
-struct LossOf {
-    using real = number;
-    using element = number;
-#pragma push_macro("SHARED_FN")
-#undef SHARED_FN
-#define SHARED_FN static inline
-#include "model/loss.glsl"
-#pragma pop_macro("SHARED_FN")
-};
-
-/// Model: `parameters`, `terms`, `values`, and value(p, t, y), which sets y[values] for p[parameters] and t[terms], all
-/// of them Jets of Wide<real>.
-
-/// One problem's values [samples][values] and their derivatives [samples][values][parameters], samples side by side.
-template <class real, class Model>
-[[gnu::flatten]] void evaluate_samples(const real* parameters, const real* terms, long long samples, real* values,
-                                       real* derivatives) {
-    using number = Wide<real>;
-    constexpr int P = Model::parameters, T = Model::terms, Y = Model::values, L = number::size;
-    Jet<number, P> p[P], t[T], y[Y];
-    for (int i = 0; i < P; ++i) {
-        p[i] = Jet<number, P>(number(parameters[i]));
-        p[i].d[i] = number(1);
-    }
-    for (long long first = 0; first < samples; first += L) {
-        const int count = samples - first < L ? int(samples - first) : L;
-        for (int k = 0; k < T; ++k) {
-            number term;
-            for (int lane = 0; lane < L; ++lane) term.v[lane] = terms[(first + (lane < count ? lane : 0)) * T + k];
-            t[k] = Jet<number, P>(term);
-        }
-        Model::value(p, t, y);
-        for (int lane = 0; lane < count; ++lane)
-            for (int c = 0; c < Y; ++c) {
-                const long long at = (first + lane) * Y + c;
-                values[at] = y[c].v.v[lane];
-                for (int i = 0; derivatives && i < P; ++i) derivatives[at * P + i] = y[c].d[i].v[lane];
-            }
-    }
-}
 
 template <class real, class Model>
 class ProblemLanes {
     using number = Wide<real>;
     using Mask = typename number::Mask;
-    static constexpr int P = Model::parameters, T = Model::terms, Y = Model::values, L = number::size;
-    using jet = Jet<number, P>;
-    static constexpr int below = P * (P + 1) / 2;
-    static constexpr int at(int i, int j) { return i * (i + 1) / 2 + j; }  // j <= i
+    static constexpr int P = Model::parameters, L = number::size;
+    using Sums = LaneSums<number, P>;
+    using Factor = CholeskyFactor<number, P>;
+    static constexpr int below = size_below(P);
     static constexpr bool is_double = sizeof(real) == 8;
     static constexpr real epsilon = is_double ? real(2.220446e-16) : real(1.1920929e-7);
     static constexpr real infinity = real(__builtin_inf());
     static constexpr real least_normal = is_double ? real(2.3e-308) : real(1.2e-38);
+    static constexpr real largest = is_double ? real(1.7e308) : real(3.4e38);
     static constexpr real least_pivot = (is_double ? 4 : 16) * P * epsilon;  ///< of a matrix whose diagonal is 1
-
-    /// At some parameters: 1/2 sum of w r^2, its gradient, and Gauss and Newton's matrix.
-    struct Sums {
-        number error, gradient[P], matrix[below];
-    };
 
 public:
     /// storage: bytes_for() the most samples of a problem, aligned as vectors are.
     ProblemLanes(const Chunk& chunk, void* storage)
-        : chunk_(chunk), row_((chunk.shared_terms ? 0 : T) + Y + 1), rows_(static_cast<real*>(storage)) {
+        : chunk_(chunk), samples_(chunk, storage), adam_(chunk.learning_rate) {
         for (int i = 0; i < P; ++i) {
             at_[i] = trial_[i] = most_[i] = scale_[i] = last_[i] = sums_.gradient[i] = number(0);
             held_[i] = Mask{};
@@ -79,14 +37,13 @@ public:
             upper_[i] = number(reals(chunk_.upper)[i]);
             fixed_[i] = chunk_.fixed[i] ? ~Mask{} : Mask{};
         }
-        sums_.error = damping_ = growth_ = promised_ = squares_ = allowance_ = shortest_ = values_ = number(1);
+        sums_.error = damping_ = growth_ = promised_ = allowance_ = shortest_ = number(1);
         steps_ = number(0);
         for (number& x : sums_.matrix) x = number(0);
         occupied_ = fresh_ = polished_ = better_ = bounded_ = Mask{};
         for (int lane = 0; lane < L; ++lane) problem_[lane] = -1;
-        if (chunk_.shared_terms) share_terms();
     }
-    static long long bytes_for(long long samples) { return samples * ((T + Y + 1) * L + T) * (long long)sizeof(real); }
+    static long long bytes_for(long long samples) { return LaneSamples<real, Model>::bytes_for(samples); }
 
     void run() {
         for (long long i = chunk_.first; i < chunk_.first + chunk_.count; ++i) {
@@ -94,12 +51,12 @@ public:
             chunk_.status[i] = int(BatchStatus::no_samples);
         }
         for (int lane = 0; lane < L; ++lane) take_next(lane);
-        while (any(occupied_)) {
+        while (any_of(occupied_)) {
             Sums trial;
-            evaluate(trial);
+            samples_.evaluate(trial_, trial);
             Mask ended = accept(trial);
-            ended |= propose();
-            if (!any(ended)) continue;
+            ended |= propose(trial);
+            if (!any_of(ended)) continue;
             for (int lane = 0; lane < L; ++lane)
                 if (ended[lane]) {
                     write(lane);
@@ -111,56 +68,6 @@ public:
 private:
     static const real* reals(const void* p) { return static_cast<const real*>(p); }
     static real* out(void* p) { return static_cast<real*>(p); }
-
-    static bool any(const Mask& mask) {
-        unsigned long long words[sizeof(Mask) / 8], all = 0;
-        __builtin_memcpy(words, &mask, sizeof mask);
-        for (const unsigned long long word : words) all |= word;
-        return all != 0;
-    }
-
-    // Not by comparison, since the compiler may take all numbers for finite.
-    static bool finite(float x) {
-        unsigned bits;
-        __builtin_memcpy(&bits, &x, sizeof bits);
-        return (bits & 0x7f800000u) != 0x7f800000u;
-    }
-    static bool finite(double x) {
-        unsigned long long bits;
-        __builtin_memcpy(&bits, &x, sizeof bits);
-        return (bits & 0x7ff0000000000000ull) != 0x7ff0000000000000ull;
-    }
-    static Mask finite(const number& x) {
-        using Integer = decltype(Mask{}[0] + 0);
-        constexpr auto exponent = is_double ? 0x7ff0000000000000ll : 0x7f800000ll;
-        const Mask bits = (Mask)x.v & (Mask{} + (Integer)exponent);
-        return bits != Mask{} + (Integer)exponent;
-    }
-
-    static number load(const real* from) {
-        number x;
-        __builtin_memcpy(&x.v, from, sizeof x.v);
-        return x;
-    }
-
-    // Terms that all problems have, in the storage behind the rows; those of a sample that lacks one are another's.
-    void share_terms() {
-        shared_ = rows_ + chunk_.samples * row_ * L;
-        const real* terms = reals(chunk_.terms);
-        long long whole = -1;
-        for (long long s = 0; s < chunk_.samples; ++s)
-            if (whole_terms(terms + s * T) && whole < 0) whole = s;
-        for (long long s = 0; s < chunk_.samples; ++s)
-            for (int k = 0; k < T; ++k)
-                shared_[s * T + k] = whole_terms(terms + s * T) ? terms[s * T + k]
-                                     : whole < 0                ? real(0)
-                                                                : terms[whole * T + k];
-    }
-    static bool whole_terms(const real* terms) {
-        for (int k = 0; k < T; ++k)
-            if (!finite(terms[k])) return false;
-        return true;
-    }
 
     // The problem again from its next start; or the next problem that has samples; or none.
     void take_next(int lane) {
@@ -175,8 +82,8 @@ private:
             start_[lane] = from;
             const real* start =
                 reals(chunk_.starts) + (from * chunk_.starts_of_each + (chunk_.starts_of_each > 1 ? problem : 0)) * P;
-            if (!loaded) load_samples(lane, problem);
-            if (count_[lane] == 0) {
+            if (!loaded) samples_.load(lane, problem);
+            if (samples_.count(lane) == 0) {
                 without_samples(problem, start);
                 continue;
             }
@@ -198,143 +105,19 @@ private:
             steps_.v[lane] = 0;
             occupied_[lane] = fresh_[lane] = -1;
             polished_[lane] = 0;
+            directions_.begin(lane);
+            adam_.begin(lane);
             return;
         }
-    }
-
-    // A problem's samples into a lane. Those that are missing have no weight, and another's terms.
-    void load_samples(int lane, long long problem) {
-        const long long first = chunk_.offsets ? chunk_.offsets[problem] : problem * chunk_.samples;
-        const long long samples = chunk_.offsets ? chunk_.offsets[problem + 1] - first : chunk_.samples;
-        const bool shared = chunk_.shared_terms;
-        const real* terms = reals(chunk_.terms) + (shared ? 0 : first * T);
-        const real* targets = reals(chunk_.targets) + first * Y;
-        const real* weights = chunk_.weights ? reals(chunk_.weights) + first : nullptr;
-        long long kept = 0, whole = -1;
-        real squares = 0;
-        for (long long s = 0; s < samples; ++s) {
-            real weight = weights ? weights[s] : real(1);
-            bool there = weight > 0 && finite(weight) && whole_terms(terms + s * T);
-            for (int c = 0; c < Y; ++c) there = there && finite(targets[s * Y + c]);
-            if (!there) weight = 0;
-            kept += there;
-            if (there && whole < 0) whole = s;
-            real* row = rows_ + s * row_ * L + lane;
-            if (!shared)
-                for (int k = 0; k < T; ++k, row += L) *row = there ? terms[s * T + k] : real(0);
-            for (int c = 0; c < Y; ++c, row += L) {
-                *row = there ? targets[s * Y + c] : real(0);
-                squares += weight * *row * *row;
-            }
-            *row = weight;
-        }
-        count_[lane] = kept;
-        length_[lane] = samples;
-        values_.v[lane] = real(kept * Y);
-        squares_.v[lane] = squares;
-        even_[lane] = !weights && kept == samples;
-        if (kept < samples && whole >= 0 && !shared)
-            for (long long s = 0; s < samples; ++s)
-                if (rows_[(s * row_ + T + Y) * L + lane] == 0)
-                    for (int k = 0; k < T; ++k) rows_[(s * row_ + k) * L + lane] = terms[whole * T + k];
-        for (long long s = samples; s < filled_; ++s) pad(lane, s, whole < 0 ? 0 : whole);
-        if (samples <= filled_) return;
-        for (long long s = filled_; s < samples; ++s)
-            for (int other = 0; other < L; ++other)
-                if (other != lane) pad(other, s, 0);
-        filled_ = samples;
-    }
-    void pad(int lane, long long sample, long long like) {
-        for (int k = 0; k < row_; ++k)
-            rows_[(sample * row_ + k) * L + lane] = k + 1 < row_ ? rows_[(like * row_ + k) * L + lane] : real(0);
-    }
-
-    void evaluate(Sums& sums) const {
-        long long samples = 0;
-        bool even = true;  // nothing but samples of weight 1
-        for (int lane = 0; lane < L; ++lane) {
-            if (problem_[lane] < 0) continue;
-            if (length_[lane] > samples) samples = length_[lane];
-            even = even && even_[lane];
-        }
-        for (int lane = 0; lane < L; ++lane) even = even && (problem_[lane] < 0 || length_[lane] == samples);
-        switch (chunk_.loss) {
-            case BatchLoss::huber:
-                return evaluate<BatchLoss::huber, false>(samples, sums);
-            case BatchLoss::cauchy:
-                return evaluate<BatchLoss::cauchy, false>(samples, sums);
-            default:
-                return even ? evaluate<BatchLoss::square, true>(samples, sums)
-                            : evaluate<BatchLoss::square, false>(samples, sums);
-        }
-    }
-    template <BatchLoss loss, bool even>
-    void evaluate(long long samples, Sums& to) const {
-        return chunk_.shared_terms ? evaluate<loss, even, true>(samples, to) : evaluate<loss, even, false>(samples, to);
-    }
-
-    // Flattened: the model's functions become part of it, and products with derivatives that are zero go.
-    template <BatchLoss loss, bool even, bool shared>
-    [[gnu::flatten]] void evaluate(long long samples, Sums& to) const {
-        constexpr int terms_in_row = shared ? 0 : T, width = terms_in_row + Y + 1;
-        Sums sums;
-        sums.error = number(0);
-        for (number& x : sums.gradient) x = number(0);
-        for (number& x : sums.matrix) x = number(0);
-        jet p[P];
-#pragma GCC unroll 32
-        for (int i = 0; i < P; ++i) {
-            p[i] = jet(trial_[i]);
-            p[i].d[i] = number(1);
-        }
-        const number scale{real(chunk_.loss_scale)};
-        for (long long s = 0; s < samples; ++s) {
-            const real* row = rows_ + s * width * L;
-            jet t[T], y[Y];
-#pragma GCC unroll 32
-            for (int k = 0; k < T; ++k) {
-                if constexpr (shared)
-                    t[k] = jet(number(shared_[s * T + k]));
-                else
-                    t[k] = jet(load(row + k * L));
-            }
-            Model::value(p, t, y);
-            number weight(1), residual[Y], squared(0);
-            if constexpr (!even) weight = load(row + (width - 1) * L);
-            // with a weight of 1 rounded as without one, so that what stands in other lanes makes no difference
-            number& sum = loss == BatchLoss::square ? sums.error : squared;
-#pragma GCC unroll 4
-            for (int c = 0; c < Y; ++c) {
-                residual[c] = y[c].v - load(row + (terms_in_row + c) * L);
-                const number weighted = even ? residual[c] : weight * residual[c];
-                sum += weighted * residual[c];
-            }
-            if constexpr (loss == BatchLoss::huber) {
-                sums.error += LossOf<number>::huber_value(squared, scale);
-                weight *= LossOf<number>::huber_weight(squared, scale);
-            }
-            if constexpr (loss == BatchLoss::cauchy) {
-                sums.error += LossOf<number>::cauchy_value(squared, scale);
-                weight *= LossOf<number>::cauchy_weight(squared, scale);
-            }
-#pragma GCC unroll 4
-            for (int c = 0; c < Y; ++c)
-#pragma GCC unroll 32
-                for (int i = 0; i < P; ++i) {
-                    const number weighted = even ? y[c].d[i] : weight * y[c].d[i];
-                    sums.gradient[i] += weighted * residual[c];
-#pragma GCC unroll 32
-                    for (int j = 0; j <= i; ++j) sums.matrix[at(i, j)] += weighted * y[c].d[j];
-                }
-        }
-        sums.error *= number(0.5);
-        to = sums;
+        samples_.release(lane);
     }
 
     // Moves to the trial where it is better; elsewhere the damping grows. Returns lanes whose start is not finite.
     Mask accept(const Sums& trial) {
-        Mask whole = finite(trial.error) & finite(squares_);
-        for (int i = 0; i < P; ++i) whole &= fixed_[i] | (finite(trial.gradient[i]) & finite(trial.matrix[at(i, i)]));
+        Mask& whole = whole_;
+        whole = is_finite(trial.error) & is_finite(samples_.squares());
+        for (int i = 0; i < P; ++i)
+            whole &= fixed_[i] | (is_finite(trial.gradient[i]) & is_finite(trial.matrix[place_below(i, i)]));
         better_ = occupied_ & (fresh_ | (whole & (trial.error < sums_.error + allowance_)));
         const number x = number(2) * (sums_.error - trial.error) / promised_ - number(1);
         const number factor = min(max(number(1) - x * x * x, number(1.0 / 3)), number(2));
@@ -350,60 +133,22 @@ private:
         for (int i = 0; i < P; ++i) {
             take(at_[i], trial_[i]);
             take(sums_.gradient[i], trial.gradient[i]);
-            most_[i] = max(most_[i], sums_.matrix[at(i, i)]);
+            most_[i] = max(most_[i], sums_.matrix[place_below(i, i)]);
         }
-        if (any(lost))
+        if (any_of(lost))
             for (int lane = 0; lane < L; ++lane)
                 if (lost[lane]) status_[lane] = BatchStatus::not_finite;
         lost_ = lost;
         return lost;
     }
 
-    /// Cholesky's factor of a matrix whose diagonal is about 1, one over its diagonal, and the least pivot.
-    struct Factor {
-        number l[below], over[P], least;
-
-        explicit Factor(const number (&m)[below]) {
-            least = number(1);
-#pragma GCC unroll 16
-            for (int i = 0; i < P; ++i) {
-#pragma GCC unroll 16
-                for (int j = 0; j < i; ++j) {
-                    number x = m[at(i, j)];
-                    for (int k = 0; k < j; ++k) x -= l[at(i, k)] * l[at(j, k)];
-                    l[at(i, j)] = x * over[j];
-                }
-                number pivot = m[at(i, i)];
-                for (int k = 0; k < i; ++k) pivot -= l[at(i, k)] * l[at(i, k)];
-                least = min(least, pivot);
-                const number root = sqrt(max(pivot, number(least_pivot)));
-                l[at(i, i)] = root;
-                over[i] = number(1) / root;
-            }
-        }
-        Factor() = default;
-        void forward(const number (&b)[P], number (&x)[P]) const {
-            for (int i = 0; i < P; ++i) {
-                number sum = b[i];
-                for (int k = 0; k < i; ++k) sum -= l[at(i, k)] * x[k];
-                x[i] = sum * over[i];
-            }
-        }
-        void backward(number (&x)[P]) const {
-            for (int i = P - 1; i >= 0; --i) {
-                number sum = x[i];
-                for (int k = i + 1; k < P; ++k) sum -= l[at(k, i)] * x[k];
-                x[i] = sum * over[i];
-            }
-        }
-    };
-
-    // Sets trial_ to the next step. Returns lanes that have ended, and why in status_.
-    Mask propose() {
-        number scaled[below], gradient[P], forward[P], step[P], free(0);
+    // Looks at at_: what may move, how far the minimum of Gauss and Newton's model lies; then sets trial_ to the next
+    // step. Returns lanes that have ended, and why in status_.
+    Mask propose(const Sums& trial) {
+        number scaled[below], gradient[P], forward[P], free(0);
         bounded_ = Mask{};
         for (int i = 0; i < P; ++i) {
-            const number& diagonal = sums_.matrix[at(i, i)];
+            const number& diagonal = sums_.matrix[place_below(i, i)];
             const Mask outward = ((at_[i] <= lower_[i]) & (sums_.gradient[i] >= number(0))) |
                                  ((at_[i] >= upper_[i]) & (sums_.gradient[i] <= number(0)));
             const Mask unseen = diagonal <= number(0);  // no sample depends on it
@@ -413,11 +158,12 @@ private:
             scale_[i] = number::select(held_[i], number(0), number(1) / sqrt(diagonal));
         }
         for (int i = 0; i < P; ++i) {
-            for (int j = 0; j < i; ++j) scaled[at(i, j)] = sums_.matrix[at(i, j)] * scale_[i] * scale_[j];
-            scaled[at(i, i)] = number(1);
+            for (int j = 0; j < i; ++j)
+                scaled[place_below(i, j)] = sums_.matrix[place_below(i, j)] * scale_[i] * scale_[j];
+            scaled[place_below(i, i)] = number(1);
             gradient[i] = sums_.gradient[i] * scale_[i];
         }
-        factor_ = Factor(scaled);
+        factor_ = Factor(scaled, number(least_pivot));
         factor_.forward(gradient, forward);
         for (int i = 0; i < P; ++i) last_[i] = forward[i];
         factor_.backward(last_);
@@ -427,51 +173,116 @@ private:
 
         // near: where rounding of values and of their sum hides whether the error still falls
         const number& error = sums_.error;
-        const number hidden = number(epsilon) * (number(16) * error + number(4) * sqrt(error * squares_));
+        const number hidden = number(epsilon) * (number(16) * error + number(4) * sqrt(error * samples_.squares()));
         const Mask near = decrement <= number(2) * hidden;
         allowance_ = number::select(near, hidden, number(0));
         const number damping = number::select(near, number(0), damping_);
-        for (int i = 0; i < P; ++i)
-            scaled[at(i, i)] += number::select(held_[i], number(0), damping * most_[i] * scale_[i] * scale_[i]);
-        const Factor damped(scaled);
-        damped.forward(gradient, step);
-        damped.backward(step);
-        number moved[P];
-        Mask stays = ~Mask{};
-        for (int i = 0; i < P; ++i) {
-            trial_[i] = min(max(at_[i] - step[i] * scale_[i], lower_[i]), upper_[i]);
-            trial_[i] = number::select(held_[i], at_[i], trial_[i]);
-            moved[i] = trial_[i] - at_[i];
-            stays &= moved[i].v == 0;
-        }
-        promised_ = number(0);
-        for (int i = 0; i < P; ++i) {
-            number by = number(0.5) * sums_.matrix[at(i, i)] * moved[i] + sums_.gradient[i];
-            for (int j = 0; j < i; ++j) by += sums_.matrix[at(i, j)] * moved[j];
-            promised_ -= by * moved[i];
-        }
+        const bool wanders = chunk_.optimizer == BatchOptimizer::adam;
+        if (wanders)
+            wander(trial);
+        else if (chunk_.optimizer == BatchOptimizer::levenberg_marquardt)
+            step_by_matrix(scaled, gradient, damping);
+        else
+            step_along_direction(damping);
+        const Mask stays = bound_trial();
 
-        freedom_ = values_ - free;
+        freedom_ = samples_.values() - free;
         const number variance = number(2) * error / max(freedom_, number(1));
         const Mask small = decrement <= number(real(chunk_.tolerance * chunk_.tolerance)) * variance;
         const number floor =
-            number(32 * epsilon * epsilon) * squares_;  // of exact samples; below all numbers it says nothing
+            number(32 * epsilon * epsilon) * samples_.squares();  // of exact samples; below all numbers it says nothing
         const Mask exact = (error <= floor) & (floor > number(least_normal));
         // near the minimum on until steps no longer become shorter
         const Mask settled = near & (stays | (polished_ & (decrement > number(0.5) * shortest_)));
         polished_ |= near;
         shortest_ = number::select(near, decrement, shortest_);
         const Mask done = small | exact | settled;
-        const Mask stalled = ~done & (stays | (damping_ > number(1e16)));
+        const Mask stalled = wanders ? Mask{} : ~done & (stays | (damping_ > number(1e16)));
         const Mask spent = steps_ >= number(chunk_.iterations);
         const Mask ended = occupied_ & ~lost_ & (done | stalled | spent);
-        if (any(ended))
+        if (any_of(ended))
             for (int lane = 0; lane < L; ++lane)
                 if (ended[lane])
                     status_[lane] = done[lane]      ? minimum(lane)
                                     : stalled[lane] ? BatchStatus::stalled
                                                     : BatchStatus::max_iterations;
         return ended;
+    }
+
+    // Levenberg and Marquardt's step.
+    void step_by_matrix(number (&scaled)[below], const number (&gradient)[P], const number& damping) {
+        number step[P];
+        for (int i = 0; i < P; ++i)
+            scaled[place_below(i, i)] +=
+                number::select(held_[i], number(0), damping * most_[i] * scale_[i] * scale_[i]);
+        const Factor damped(scaled, number(least_pivot));
+        damped.forward(gradient, step);
+        damped.backward(step);
+        for (int i = 0; i < P; ++i) trial_[i] = at_[i] - step[i] * scale_[i];
+    }
+
+    // To the minimum of Gauss and Newton's model along a direction, which damping draws nearer; to the first bound at
+    // most.
+    void step_along_direction(const number& damping) {
+        number over[P], along[P], slope(0);
+        for (int i = 0; i < P; ++i) over[i] = scale_[i] * scale_[i];
+        if (chunk_.optimizer == BatchOptimizer::conjugate_gradients)
+            directions_.conjugate(better_, sums_.gradient, over);
+        else
+            directions_.lbfgs(better_, at_, sums_.gradient, over);
+        for (int i = 0; i < P; ++i) {
+            const number& d = directions_[i];
+            const Mask outward = ((at_[i] <= lower_[i]) & (d < number(0))) | ((at_[i] >= upper_[i]) & (d > number(0)));
+            along[i] = number::select(outward, number(0), d);
+            slope += sums_.gradient[i] * along[i];
+        }
+        const Mask down = slope < number(0);  // else the steepest, which leads within the bounds
+        slope = number(0);
+        number curvature(0), length(largest);
+        for (int i = 0; i < P; ++i) {
+            along[i] = number::select(down, along[i], -over[i] * sums_.gradient[i]);
+            slope += sums_.gradient[i] * along[i];
+            number by = number(0.5) * (sums_.matrix[place_below(i, i)] + damping * most_[i]) * along[i];
+            for (int j = 0; j < i; ++j) by += sums_.matrix[place_below(i, j)] * along[j];
+            curvature += number(2) * by * along[i];
+            const Mask up = along[i] > number(0), moves = up | (along[i] < number(0));
+            const number room = number::select(up, upper_[i], lower_[i]) - at_[i];
+            length = number::select(moves, min(length, room / number::select(moves, along[i], number(1))), length);
+        }
+        const Mask bends = curvature > number(0);
+        length = number::select(bends, min(length, -slope / number::select(bends, curvature, number(1))), number(0));
+        for (int i = 0; i < P; ++i) {
+            trial_[i] = at_[i] + length * along[i];
+            const number rounding = number(8 * epsilon) * (abs(at_[i]) + abs(trial_[i]));  // of a step to the bound
+            trial_[i] = number::select(abs(trial_[i] - lower_[i]) <= rounding, lower_[i], trial_[i]);
+            trial_[i] = number::select(abs(trial_[i] - upper_[i]) <= rounding, upper_[i], trial_[i]);
+        }
+    }
+
+    void wander(const Sums& trial) {
+        number diagonal[P];
+        for (int i = 0; i < P; ++i) diagonal[i] = number::select(fixed_[i], number(0), trial.matrix[place_below(i, i)]);
+        adam_.move(trial_, at_, whole_, trial, diagonal);
+    }
+
+    // Keeps the trial within the bounds, and what is held where it is. Returns lanes where it stays at at_; promised_
+    // is how much Gauss and Newton's model promises of it.
+    Mask bound_trial() {
+        number moved[P];
+        Mask stays = ~Mask{};
+        for (int i = 0; i < P; ++i) {
+            trial_[i] = min(max(trial_[i], lower_[i]), upper_[i]);
+            trial_[i] = number::select(held_[i], at_[i], trial_[i]);
+            moved[i] = trial_[i] - at_[i];
+            stays &= moved[i].v == 0;
+        }
+        promised_ = number(0);
+        for (int i = 0; i < P; ++i) {
+            number by = number(0.5) * sums_.matrix[place_below(i, i)] * moved[i] + sums_.gradient[i];
+            for (int j = 0; j < i; ++j) by += sums_.matrix[place_below(i, j)] * moved[j];
+            promised_ -= by * moved[i];
+        }
+        return stays;
     }
 
     static bool is_minimum(BatchStatus status) {
@@ -482,7 +293,7 @@ private:
     BatchStatus minimum(int lane) const {
         bool determined = freedom_.v[lane] >= 0 && factor_.least.v[lane] > least_pivot;
         for (int i = 0; i < P; ++i)
-            if (!chunk_.fixed[i] && !(sums_.matrix[at(i, i)].v[lane] > 0)) determined = false;
+            if (!chunk_.fixed[i] && !(sums_.matrix[place_below(i, i)].v[lane] > 0)) determined = false;
         if (!determined) return BatchStatus::underdetermined;
         return bounded_[lane] ? BatchStatus::at_bound : BatchStatus::converged;
     }
@@ -513,7 +324,7 @@ private:
         if (!first && (!finite_start || !(error < best - slack * best))) return;
         chunk_.status[problem] = int(status_[lane]);
         chunk_.steps[problem] = int(steps_.v[lane]);
-        chunk_.seen[problem] = count_[lane];
+        chunk_.seen[problem] = samples_.count(lane);
         out(chunk_.error)[problem] = finite_start ? error : infinity;
         for (int i = 0; i < P; ++i) {
             real x = at_[i].v[lane];
@@ -530,7 +341,7 @@ private:
         for (int j = 0; j < P; ++j)
             for (int i = j; i < P; ++i) {
                 real sum = i == j ? real(1) : real(0);
-                for (int k = j; k < i; ++k) sum -= factor_.l[at(i, k)].v[lane] * inverse[k][j];
+                for (int k = j; k < i; ++k) sum -= factor_.l[place_below(i, k)].v[lane] * inverse[k][j];
                 inverse[i][j] = sum * factor_.over[i].v[lane];
             }
         const real freedom = freedom_.v[lane];
@@ -541,7 +352,7 @@ private:
             for (int j = chunk_.covariance ? 0 : i; j <= i; ++j) {
                 real sum = 0;
                 for (int k = i; k < P; ++k) sum += inverse[k][i] * inverse[k][j];
-                const bool unseen = !(sums_.matrix[at(i, i)].v[lane] > 0);  // no sample depends on it
+                const bool unseen = !(sums_.matrix[place_below(i, i)].v[lane] > 0);  // no sample depends on it
                 const bool unknown =
                     (!known && !chunk_.fixed[i] && !chunk_.fixed[j]) || (unseen && !chunk_.fixed[i] && i == j);
                 const real spread = variance * sum * scale_[i].v[lane] * scale_[j].v[lane];
@@ -554,24 +365,22 @@ private:
     }
 
     const Chunk& chunk_;
-    int row_;                 ///< numbers of a sample in a lane: its terms unless they are shared, targets, weight
-    real* rows_;              ///< [samples][row_][lanes]
-    real* shared_ = nullptr;  ///< [samples][T] terms of all problems
-    long long filled_ = 0;    ///< rows that hold numbers in every lane
-    long long next_ = 0;      ///< of the chunk's problems
+    LaneSamples<real, Model> samples_;
+    SearchDirections<number, P> directions_;
+    Adam<number, P> adam_;
+    long long next_ = 0;  ///< of the chunk's problems
 
     // Of the problem in each lane.
-    long long problem_[L], start_[L] = {};      ///< and from which of its starts
-    long long count_[L] = {}, length_[L] = {};  ///< its samples, without and with those that are missing
-    bool even_[L] = {};                         ///< none is missing, and all weigh 1
+    long long problem_[L], start_[L] = {};  ///< and from which of its starts
     BatchStatus status_[L] = {};
-    Mask occupied_, fresh_, polished_, better_, bounded_, lost_, held_[P], fixed_[P];
+    /// whole_: of which the trial's sums are finite; better_: at_ is the trial; lost_: the start was not finite.
+    Mask occupied_, fresh_, polished_, whole_, better_, bounded_, lost_, held_[P], fixed_[P];
     number at_[P], trial_[P], lower_[P], upper_[P];
     number most_[P], scale_[P],
         last_[P];  ///< most_: of the matrix' diagonal so far; last_: Gauss and Newton's step from at_
     Sums sums_;    ///< at at_
     Factor factor_;
-    number damping_, growth_, promised_, squares_, values_, freedom_, steps_;
+    number damping_, growth_, promised_, freedom_, steps_;
     number allowance_, shortest_;  ///< what rounding leaves of errors; decrement of the last step below that
 };
 

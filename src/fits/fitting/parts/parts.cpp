@@ -272,34 +272,42 @@ ShardNote read_shard(const fs::path& folder) {
     return note;
 }
 
+std::map<int, fs::path> whole_of_shards(const std::vector<ShardFolder>& shards, const std::string& key) {
+    std::map<int, fs::path> have;
+    const ShardFolder& first = shards.front();
+    for (const ShardFolder& s : shards) {
+        if (s.key != key)
+            throw UserError(fmt::format(
+                "{}: a shard of another fit (its data, options or program differ from those of {}); leave it "
+                "out, or make it anew",
+                s.folder.string(), first.folder.string()));
+        if (s.shard.count != first.shard.count)
+            throw UserError(fmt::format("{}: {}, but others are of {}; make all with one number", s.folder.string(),
+                                        name_of(s.shard), first.shard.count));
+        const auto [at, fresh] = have.emplace(s.shard.index, s.folder);
+        if (!fresh)
+            throw UserError(fmt::format("{} and {}: both are {}; leave one out", at->second.string(), s.folder.string(),
+                                        name_of(s.shard)));
+    }
+    std::vector<int> missing;
+    for (int i = 1; i <= first.shard.count; ++i)
+        if (!have.contains(i)) missing.push_back(i);
+    if (!missing.empty())
+        throw UserError(fmt::format("of {} shards {} {} missing; run {} and give all folders", first.shard.count,
+                                    fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are",
+                                    missing.size() == 1 ? "its command" : "their commands"));
+    return have;
+}
+
 FinishedFit merge_shards(const Dataset& dataset, const FitRequest& request, const std::vector<fs::path>& folders) {
     const std::string key = fit_key(dataset, request);
     const auto whole = family_of(request).divide(dataset, request);
-    std::map<int, fs::path> have;
-    int count = 0;
+    std::vector<ShardFolder> shards;
     for (const fs::path& folder : folders) {
         const ShardNote note = read_shard(folder);
-        if (note.key != key)
-            throw UserError(
-                fmt::format("{}: a shard of another fit (dataset, options or program differ from those of "
-                            "{}); leave it out, or make it anew",
-                            folder.string(), folders.front().string()));
-        count = count ? count : note.shard.count;
-        if (note.shard.count != count)
-            throw UserError(fmt::format("{}: {}, but others are of {}; make all with one number", folder.string(),
-                                        name_of(note.shard), count));
-        const auto [at, fresh] = have.emplace(note.shard.index, folder);
-        if (!fresh)
-            throw UserError(fmt::format("{} and {}: both are {}; leave one out", at->second.string(), folder.string(),
-                                        name_of(note.shard)));
+        shards.push_back({folder, note.shard, note.key});
     }
-    std::vector<int> missing;
-    for (int i = 1; i <= count; ++i)
-        if (!have.contains(i)) missing.push_back(i);
-    if (!missing.empty())
-        throw UserError(fmt::format("of {} shards {} {} missing; run {} and give all folders", count,
-                                    fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are",
-                                    missing.size() == 1 ? "its command" : "their commands"));
+    const std::map<int, fs::path> have = whole_of_shards(shards, key);
     const EachPart each_part = [&](const auto& look) {
         for (const auto& [index, folder] : have)
             for (const std::string& name : read_shard(folder).files) {

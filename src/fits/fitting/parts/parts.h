@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -86,6 +87,16 @@ struct ShardNote {
 };
 /// Throws UserError for a folder that is no shard's, or whose shard isn't finished.
 ShardNote read_shard(const std::filesystem::path& folder);
+
+/// A finished shard, of a fit or of other work.
+struct ShardFolder {
+    std::filesystem::path folder;
+    Shard shard;
+    std::string key;
+};
+/// The shards of the work of this key, by their number. Throws UserError naming those that are missing, foreign or
+/// there twice.
+std::map<int, std::filesystem::path> whole_of_shards(const std::vector<ShardFolder>& shards, const std::string& key);
 
 /// Whether a fit takes more than request.memory in one piece; false where that isn't set.
 bool needs_parts(const Dataset& dataset, const FitRequest& request);
