@@ -7,6 +7,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <sstream>
 
 #include "base/choose.h"
@@ -17,6 +18,7 @@
 #include "experiment.h"
 #include "fitting/limits.h"
 #include "reference/curve_rivals.h"
+#include "reference/scipy_rival.h"
 #include "report/csv_file.h"
 #include "report/table.h"
 
@@ -219,13 +221,17 @@ void certified(Experiment& experiment) {
     const Options o(experiment.config());
     ResultFolder results = experiment.open_results(experiment.cpu_device());
     std::vector<rows::Run> runs;
+    std::vector<fits::CurveRival> rivals = fits::curve_rivals(), of_scipy = fits::scipy_rivals();
+    if (of_scipy.empty())
+        log_info("without SciPy, which no python3 has: install Debian's python3-scipy to compare with it");
+    std::ranges::move(of_scipy, std::back_inserter(rivals));
     Progress progress("problems", o.problems.size());
     for (const std::string& name : o.problems) {
         const Certified problem = read_certified(experiment.root() / "experiments/nist" / (name + ".dat"));
         const batch::CompiledModel model(model_of(problem), batch::Precision::double_precision);
         for (int start = 0; start < 2; ++start) {
             runs.push_back(run_ours(problem, start, model, o.iterations));
-            for (const fits::CurveRival& rival : fits::curve_rivals())
+            for (const fits::CurveRival& rival : rivals)
                 runs.push_back(run_rival(rival, problem, start, model, o.iterations));
         }
         progress.advance();

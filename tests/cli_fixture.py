@@ -52,7 +52,7 @@ def snapshot(folder):
 
 def complaints(stderr):
     """Its lines, without those that say what a command needs, and what it chose."""
-    return [line for line in stderr.splitlines() if not re.match("(fit|import|generate|depths) needs about |chosen by the data: ", line)]
+    return [line for line in stderr.splitlines() if not re.match("(fit|solve|import|generate|depths) needs about |chosen by the data: ", line)]
 
 
 def python_with(module):

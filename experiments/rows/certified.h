@@ -22,7 +22,7 @@ inline const RowFileOf<Run> runs{
      {"error_digits", errors("{:.3g}"), "of the sum of squared residuals", &Run::error_digits},
      {"sigma_digits", errors("{:.3g}"), "of the standard deviation that has the fewest right; ours as it says them, of others by QR of the derivatives at their end", &Run::sigma_digits},
      {"ended", exact(), "converged, or what else the solver says of its end", &Run::ended},
-     {"iterations", iterations(), "steps tried; of NLopt and Eigen evaluations", &Run::iterations}}};
+     {"iterations", iterations(), "steps tried; of NLopt, Eigen and SciPy evaluations", &Run::iterations}}};
 
 struct Solver {
     std::string solver, setting;
@@ -43,7 +43,7 @@ inline const ExperimentEntry experiment{
     .name = "certified",
     .about =
         "NIST's 27 nonlinear reference problems from both of their starts: how many certified digits `radiafit solve` finds in doubles, of parameters, standard deviations and residuals, beside "
-        "Ceres, its TinySolver, GSL, Eigen and NLopt, all by the same residuals and derivatives.",
+        "Ceres, its TinySolver, GSL, Eigen, NLopt and, where it is installed, SciPy, all by the same residuals and derivatives.",
     .files = {&runs, &solvers},
     .place = 145,
     .title = "Certified digits",

@@ -6,6 +6,7 @@
 #include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -106,6 +107,52 @@ Ended run_program(std::vector<std::string> command) {
     take_all(output, errors, ended);
     ended.status = end_status(child);
     return ended;
+}
+
+RunningProgram::RunningProgram(std::vector<std::string> command) {
+    int ends[2];  // one socket each way: a write to a program that has ended raises no signal
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+        throw SystemError("socketpair failed: " + std::generic_category().message(errno));
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    std::vector<char*> arguments;
+    for (std::string& argument : command) arguments.push_back(argument.data());
+    arguments.push_back(nullptr);
+    pid_t child = 0;
+    const int failed = posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    close(ends[1]);
+    if (failed != 0) {
+        close(ends[0]);
+        throw SystemError(
+            fmt::format("posix_spawnp {} failed: {}", command[0], std::generic_category().message(failed)));
+    }
+    socket_ = ends[0];
+    process_ = child;
+}
+
+RunningProgram::~RunningProgram() {
+    close(socket_);
+    end_status(process_);
+}
+
+void RunningProgram::write(const void* bytes, size_t size) {
+    for (const char* at = static_cast<const char*>(bytes); size > 0;) {
+        const ssize_t count = send(socket_, at, size, MSG_NOSIGNAL);
+        if (count < 0 && errno != EINTR) throw SystemError("a program that was written to has ended");
+        if (count > 0) at += count, size -= size_t(count);
+    }
+}
+
+void RunningProgram::read(void* bytes, size_t size) {
+    for (char* at = static_cast<char*>(bytes); size > 0;) {
+        const ssize_t count = recv(socket_, at, size, 0);
+        if (count == 0 || (count < 0 && errno != EINTR)) throw SystemError("a program that was read from has ended");
+        if (count > 0) at += count, size -= size_t(count);
+    }
 }
 
 int run_in_front(std::vector<std::string> command, const std::filesystem::path& folder, unsigned seconds) {

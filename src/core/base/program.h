@@ -17,6 +17,24 @@ struct Ended {
 /// SystemError where it cannot be started.
 Ended run_program(std::vector<std::string> command);
 
+/// A program found on PATH that runs beside this one and talks with it: what is written here is its standard input, and
+/// what it writes to its standard output is read here; what it says of errors is not seen.
+class RunningProgram {
+public:
+    /// Throws SystemError where it cannot be started.
+    explicit RunningProgram(std::vector<std::string> command);
+    ~RunningProgram();  ///< ends its input, and waits for it
+    RunningProgram(const RunningProgram&) = delete;
+    RunningProgram& operator=(const RunningProgram&) = delete;
+
+    // Whole or not at all: SystemError where the program has ended.
+    void write(const void* bytes, size_t size);
+    void read(void* bytes, size_t size);
+
+private:
+    int socket_ = -1, process_ = 0;
+};
+
 /// Runs a program in a folder as a shell does: what it writes is seen, Ctrl-C reaches it. After so many seconds SIGALRM
 /// ends it. The status as in Ended.
 int run_in_front(std::vector<std::string> command, const std::filesystem::path& folder, unsigned seconds);

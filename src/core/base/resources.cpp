@@ -88,6 +88,28 @@ uint64_t free_disk(const fs::path& path) {
     return uint64_t(status.f_bavail) * uint64_t(status.f_frsize);
 }
 
+uint64_t parse_bytes(const std::string& name, const std::string& text) {
+    size_t end = 0;
+    double value = 0;
+    try {
+        value = std::stod(text, &end);
+    } catch (const std::exception&) {
+    }
+    static constexpr std::string_view units = "KMG";
+    const std::string unit = text.substr(end);
+    const size_t power = unit.empty() ? 0 : units.find(unit) + 1;
+    const double bytes = value * double(uint64_t(1) << (10 * std::min(power, units.size())));
+    const bool known_unit = unit.empty() || (unit.size() == 1 && power > 0);
+    if (!known_unit || !(bytes >= 1 && bytes < 1e18))
+        throw UserError(fmt::format("{} '{}': give bytes, such as 64M or 2G", name, text));
+    return uint64_t(bytes);
+}
+std::string bytes_text(uint64_t bytes) {
+    size_t power = 0;
+    for (; power < 3 && bytes % 1024 == 0 && bytes > 0; ++power) bytes /= 1024;
+    return fmt::format("{}{}", bytes, std::string_view(" KMG").substr(power, power > 0));
+}
+
 std::string readable_bytes(uint64_t bytes) {
     constexpr const char* units[] = {"B", "kB", "MB", "GB", "TB", "PB", "EB"};
     double value = double(bytes);

@@ -26,6 +26,10 @@ void announce_needs(const std::string& task, const Needs& needs, const std::file
 /// "1.2 GB": three digits at most, powers of 1000.
 std::string readable_bytes(uint64_t bytes);
 
+/// Bytes as people write them, with K, M or G for powers of 1024: "64M". Throws UserError "NAME 'TEXT': ...".
+uint64_t parse_bytes(const std::string& name, const std::string& text);
+std::string bytes_text(uint64_t bytes);
+
 namespace detail {
 
 /// Bytes that the control groups of a process leave, and those above them: the groups as /proc/self/cgroup lists them,

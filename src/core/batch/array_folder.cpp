@@ -130,7 +130,7 @@ uint64_t ArrayFolder<real>::held_bytes() const {
 
 template <class real>
 uint64_t ArrayFolder<real>::numbers_of_sample() const {
-    return names_.size() + values_ + 1 + (columns_.empty() ? 0 : 6);
+    return (shared_terms_ ? 0 : names_.size()) + values_ + (weights_ ? 1 : 0) + (columns_.empty() ? 0 : 6);
 }
 
 template <class real>

@@ -24,7 +24,8 @@ ProblemFiles<real>::ProblemFiles(const path& input, const ModelText& model, cons
         arrays_ = std::make_unique<ArrayFolder<real>>(input, model);
     else
         table_ = read_problem_table<real>(input, model);
-    numbers_of_sample_ = arrays_ ? arrays_->numbers_of_sample() : model.terms.size() + model.values.size() + 1;
+    numbers_of_sample_ = arrays_ ? arrays_->numbers_of_sample()
+                                 : model.terms.size() + model.values.size() + (table_.weights.empty() ? 0 : 1);
     std::vector<real> common;
     if (arrays_ && arrays_->starts() && arrays_->starts()->size() != given_.size()) return;
     if (arrays_) arrays_->read_starts(0, 1, common);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/resources.h"
 #include "fitting/family.h"
 #include "fitting/limits.h"
 #include "fitting/option_rows.h"
@@ -40,28 +41,6 @@ std::string explained(const auto& table) {
     std::string all;
     for (const auto& entry : table) all += fmt::format("{}{}: {}", all.empty() ? "" : "; ", entry.name, entry.help);
     return all;
-}
-/// Bytes, with K, M or G for powers of 1024.
-uint64_t parse_bytes(const std::string& name, const std::string& text) {
-    size_t end = 0;
-    double value = 0;
-    try {
-        value = std::stod(text, &end);
-    } catch (const std::exception&) {
-    }
-    static constexpr std::string_view units = "KMG";
-    const std::string unit = text.substr(end);
-    const size_t power = unit.empty() ? 0 : units.find(unit) + 1;
-    const double bytes = value * double(uint64_t(1) << (10 * std::min(power, units.size())));
-    const bool known_unit = unit.empty() || (unit.size() == 1 && power > 0);
-    if (!known_unit || !(bytes >= 1 && bytes < 1e18))
-        throw UserError(fmt::format("{} '{}': give bytes, such as 64M or 2G", name, text));
-    return uint64_t(bytes);
-}
-std::string bytes_text(uint64_t bytes) {
-    size_t power = 0;
-    for (; power < 3 && bytes % 1024 == 0 && bytes > 0; ++power) bytes /= 1024;
-    return fmt::format("{}{}", bytes, std::string_view(" KMG").substr(power, power > 0));
 }
 FitOption sort_memory_option() {
     FitOption o =

@@ -39,6 +39,7 @@ struct SolveCommand {
     batch::Options options;
     int iterations = batch::default_iterations(batch::Options().optimizer);
     double checkpoint_s = FitRequest().checkpoint_s;
+    uint64_t memory = 256 << 20;  ///< bytes of problems and solutions at a time
     bool json = false, resume = false, force = false;
 };
 
@@ -118,8 +119,6 @@ std::vector<Block> blocks_of(Block range, uint64_t most, const Bytes& bytes) {
     return out;
 }
 
-constexpr uint64_t block_bytes = 256 << 20;
-
 Block share_of(const std::optional<Shard>& shard, size_t problems) {
     if (!shard) return {0, problems};
     const size_t i = size_t(shard->index), n = size_t(shard->count);
@@ -164,7 +163,7 @@ void solve_blocks(const SolveCommand& command, const Record& record, const std::
     const auto bytes = [&](size_t first, size_t count) {
         return files.bytes(first, count) + count * solution_bytes(note);
     };
-    const std::vector<Block> blocks = blocks_of(range, block_bytes, bytes);
+    const std::vector<Block> blocks = blocks_of(range, command.memory, bytes);
     uint64_t most = 0;
     for (const Block& b : blocks) most = std::max(most, bytes(b.first, b.count));
     const uint64_t kept = command.checkpoint_s > 0 ? 2 : 1;
@@ -243,6 +242,11 @@ void add_solve(CommandLine& program, const Invocation& invocation) {
     command.add_flag(
         "--known-noise", o->options.known_noise,
         "weights are 1 / variance; otherwise relative to it, and the variance is found from the residuals");
+    command
+        .add("--memory", "BYTES", bytes_text(o->memory),
+             "that problems and what is found of them take at a time, such as 64M",
+             [=](const std::string& text) { o->memory = parse_bytes("memory", text); })
+        .idle();
     command.add_text("--shard", o->shard,
                      "2/7: only the second of seven shares of the problems, into a folder for radiafit merge");
     command
