@@ -36,7 +36,7 @@ HANGS_S = 60  # a row takes well below a second; a loaded machine may take sever
 MORE_MEMORY = 200 << 20
 TABLES = ("options", "data", "captures", "stereo", "rti", "fits", "files", "experiments", "runs", "replace", "solve")
 NOBODY = 65534
-ANNOUNCEMENT = re.compile("(generate|import|depths|fit) needs about |chosen by the data: ")  # before the work
+ANNOUNCEMENT = re.compile("(generate|import|depths|fit|solve) needs about |chosen by the data: ")  # before the work
 
 
 class Row:

@@ -11,7 +11,8 @@ solve_table = f"solve {table} --model {text} -o new {start}"
 solve_arrays = f"solve sets/even --model {text} -o new {start}"
 solve_ragged = f"solve sets/ragged --model {text} -o new {start}"
 
-for good in (solve_table, solve_arrays, solve_ragged, solve_arrays + " --precision float", solve_table + " --loss huber --fix offset",
+for good in (solve_table, solve_table + " --optimizer cg --memory 1K", solve_table + " --optimizer adam --learning-rate 1",
+             solve_table + " --shard 2/2", solve_arrays, solve_ragged, solve_arrays + " --precision float", solve_table + " --loss huber --fix offset",
              f"solve sets/started --model {text} -o new"):
     rows.append((good, None, 0, "problems in"))
 
@@ -36,6 +37,17 @@ rows += [
     (solve_table + " --loss-scale 0", None, 2, "loss-scale = "),
     (solve_table + " --iterations -1", None, 2, "iterations = "),
     (solve_table + " --tolerance 2", None, 2, "tolerance = "),
+    (solve_table + " --optimizer newton", None, 2, "newton", "lbfgs"),
+    (solve_table + " --optimizer lbfgs --learning-rate 0.1", None, 2, "--learning-rate is of --optimizer adam"),
+    (solve_table + " --optimizer adam --learning-rate 0", None, 2, "learning-rate = "),
+    (solve_table + " --optimizer adam --learning-rate nan", None, 2, "learning-rate = "),
+    (solve_table + " --memory 0", None, 2, "memory '0': give bytes"),
+    (solve_table + " --memory much", None, 2, "memory 'much': give bytes"),
+    (solve_table + " --checkpoint -1", None, 2, "checkpoint = "),
+    (solve_table + " --shard 3/2", None, 2, "shard '3/2'", "2/7"),
+    (solve_table + " --shard 1", None, 2, "shard '1'", "2/7"),
+    (solve_table + " --shard 1/9", None, 2, "--shard 1/9: there are 2 problems"),
+    ("merge sets -o new", None, 2, "sets: no shard"),
     (f"solve sets/none --model {text} -o new {start}", None, 2, "sets/none: no such file or folder"),
     (f"solve {table} --model sets/none.glsl -o new {start}", None, 2, "sets/none.glsl"),
     ("CXX=none PATH=/nowhere " + solve_table, replace(text, "// A line.", "// Never compiled."), 2, "no C++ compiler", "g++"),

@@ -7,7 +7,7 @@ import subprocess
 import time
 
 from kills import SIGNALS, judge_end
-from scene import fit, reflectance
+from scene import INPUTS, command, fit, reflectance
 from tally import Tally
 
 OFTEN = ("--resume", "--checkpoint", "0.001")
@@ -21,7 +21,9 @@ FITS = (
     reflectance("lm", "", values=(200, 2, 3)),
     reflectance("with the surface's prior", "--prior surface", values=(200, 2, 3)),
     reflectance("two-step", "--solver two-step", values=(100, 2, 3)),
-)
+    command("solve by adam", f"solve {INPUTS}/decays/decays.csv --model {INPUTS}/decays/decay.glsl -o out --memory 1K --optimizer adam --start "
+            "first=500,first_life=1,second=200,second_life=5,background=5", "--iterations", (60000, 2, 3)),
+)  # fmt: skip
 
 
 class Resumes:
