@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/journal.h"
+#include "base/leftovers.h"
 #include "base/log.h"
 #include "base/read_file.h"
 #include "fitting/fit_key.h"
@@ -64,6 +65,17 @@ void check_unfinished(const fs::path& folder, const std::string& key, bool resum
         throw UserError(fmt::format("{}: {}; give the command that was stopped, or leave out --resume to begin anew",
                                     folder.string(), why));
     log_info(fmt::format("{}: {}; removed, and the fit begins anew", folder.string(), why));
+    remove_unfinished(folder);
+}
+
+void remove_leftovers_of(const fs::path& out) {
+    std::error_code error;
+    const fs::path folder = unfinished_folder(out), target = follow_links(out);
+    const fs::file_time_type ended = fs::last_write_time(target, error);
+    if (error) return;
+    clear_leftovers(target.parent_path());
+    for (const fs::path& file : files_in(folder))
+        if (fs::last_write_time(file, error) > ended || error) return;
     remove_unfinished(folder);
 }
 

@@ -26,6 +26,10 @@ std::string why_not_resumable(const std::filesystem::path& folder, const std::st
 /// with `resume` it stays, and UserError names what differs.
 void check_unfinished(const std::filesystem::path& folder, const std::string& key, bool resume);
 
+/// What a run that was killed as it ended left beside a finished output: an unfinished folder none of whose files is
+/// newer than it, and hidden names. One that is newer is of a run that was to replace the output, and stays.
+void remove_leftovers_of(const std::filesystem::path& out);
+
 /// Removes all that radiafit wrote there; the folder, too, unless it holds something else.
 void remove_unfinished(const std::filesystem::path& folder);
 

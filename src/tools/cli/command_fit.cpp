@@ -210,6 +210,7 @@ void add_fit(CommandLine& program, const Invocation& invocation) {
         },
         [o] {
             if (const std::unique_ptr<Ranks> ranks = join_ranks()) begin_together(*ranks, false);
+            remove_leftovers_of(o->out);
             print_done(o->out, o->json);
         });
     command.on_run([=, &command] {

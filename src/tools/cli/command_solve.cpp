@@ -218,7 +218,11 @@ void add_solve(CommandLine& program, const Invocation& invocation) {
         .input();
     command.add_text("--model", o->model, "text of the model").required().input();
     command.add_text("-o,--output", o->out, "folder of the solution").required().idle();
-    command.writes([=] { return std::vector{OutputTarget{.path = o->out}}; }, [=] { print_done(o->out, o->json); });
+    command.writes([=] { return std::vector{OutputTarget{.path = o->out}}; },
+                   [=] {
+                       remove_leftovers_of(o->out);
+                       print_done(o->out, o->json);
+                   });
     command.add_words("--start", o->start, "where fits begin: NAME=VALUE, between commas");
     command.add_words("--lower", o->lower, "lowest values: NAME=VALUE, between commas");
     command.add_words("--upper", o->upper, "highest values: NAME=VALUE, between commas");
