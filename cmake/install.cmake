@@ -34,7 +34,6 @@ foreach(module radiafit_oiio radiafit_heif radiafit_mpi)
     install(TARGETS ${module} LIBRARY DESTINATION lib/radiafit)
   endif()
 endforeach()
-set_target_properties(radiafit PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/radiafit")
 
 # Its manual page and completions, which it prints itself.
 set(pages ${PROJECT_BINARY_DIR}/pages)

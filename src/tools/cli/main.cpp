@@ -1,3 +1,9 @@
+#include <algorithm>
+#include <functional>
+#include <iterator>
+#include <string>
+#include <utility>
+
 #include "base/error.h"
 #include "base/failure.h"
 #include "base/interrupt.h"
@@ -12,6 +18,40 @@
 using namespace radiafit;
 using namespace radiafit::tools;
 
+namespace {
+
+/// All commands; of a program that is called by one's name, this one alone, since making the options of all takes
+/// longer than many commands do.
+void add_commands(CommandLine& program, const Invocation& invocation, int& status) {
+    const std::pair<const char*, std::function<void()>> commands[] = {
+        {"generate", [&] { add_generate(program); }},
+        {"capture", [&] { add_capture(program); }},
+        {"import", [&] { add_import(program, invocation); }},
+        {"info", [&] { add_info(program); }},
+        {"plan", [&] { add_plan(program); }},
+        {"fit", [&] { add_fit(program, invocation); }},
+        {"merge", [&] { add_merge(program, invocation); }},
+        {"export", [&] { add_export(program, invocation); }},
+        {"model", [&] { add_model(program); }},
+        {"solve", [&] { add_solve(program, invocation); }},
+        {"tune", [&] { add_tune(program); }},
+        {"judge", [&] { add_judge(program); }},
+        {"render", [&] { add_render(program); }},
+        {"publish", [&] { add_publish(program); }},
+        {"devices", [&] { add_devices(program); }},
+        {"options", [&] { add_options(program); }},
+        {"completion", [&] { add_completion(program); }},
+        {"compare", [&] { add_compare(program, status); }},
+    };
+    const std::string called = invocation.argc > 1 ? invocation.argv[1] : "";
+    const bool of_all = called == "options" || called == "completion";
+    const auto* one = std::ranges::find(commands, called, [](const auto& c) { return std::string(c.first); });
+    if (one != std::end(commands) && !of_all) return one->second();
+    for (const auto& [name, add] : commands) add();
+}
+
+}  // namespace
+
 /// Exit status: 0 done, 1 the machine failed (GL, I/O), or `compare` found a difference, 2 the user's mistake.
 int main(int argc, char** argv) {
     end_idle_blas_threads();
@@ -25,25 +65,8 @@ int main(int argc, char** argv) {
     program.add_switch(
         "--quiet", [] { set_quiet(true); }, "no messages and bars on standard error, only warnings and errors");
     const Invocation invocation{argc, argv};
-    add_generate(program);
-    add_capture(program);
-    add_import(program, invocation);
-    add_info(program);
-    add_plan(program);
-    add_fit(program, invocation);
-    add_merge(program, invocation);
-    add_export(program, invocation);
-    add_model(program);
-    add_solve(program, invocation);
-    add_tune(program);
-    add_judge(program);
-    add_render(program);
-    add_publish(program);
-    add_devices(program);
-    add_options(program);
-    add_completion(program);
     int status = 0;
-    add_compare(program, status);
+    add_commands(program, invocation, status);
     catch_interrupts();
     try {
         program.parse(argc, argv);

@@ -10,6 +10,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "base/module.h"
 
 namespace radiafit::fits {
 namespace {
@@ -43,7 +44,7 @@ bool begin_together(Ranks& ranks, bool begin) {
 
 std::unique_ptr<Ranks> join_ranks() {
     if (started_together() <= 1) return nullptr;
-    void* module = dlopen(mpi_module, RTLD_NOW | RTLD_GLOBAL);
+    void* module = open_module(mpi_module, RTLD_NOW | RTLD_GLOBAL);
     void* function = module ? dlsym(module, mpi_function) : nullptr;
     if (!function)
         throw UserError(
