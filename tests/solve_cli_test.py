@@ -3,6 +3,7 @@
 optimizers finds the minimum that an independent least-squares formula gives. Arguments: the program."""
 import array
 import json
+import os
 import random
 import shutil
 import signal
@@ -94,6 +95,20 @@ class Solve(ProgramTest):
         self.refused("merge", "shard1", "shard2", "foreign", "-o", "none", says=["foreign: a shard of another fit"])
         self.refused("solve", "in", "--model", "line.glsl", *START, "--shard", "1/30000", "-o", "none",
                      says=["--shard 1/30000: there are 20000 problems"])
+        self.refused("merge", "shard1", "nowhere", "-o", "none", says=["nowhere: missing"])
+        described = self.root / "shard3/solution.json"
+        text = described.read_text()
+        for old, new in (('"shard": [\n    3,\n    3', '"shard": [\n    3,\n    0'), ('"shard": [\n    3,\n    3', '"shard": [\n    3,\n    -5'),
+                         ('"shard": [\n    3,\n    3', '"shard": [\n    1e300,\n    3'), ('"version": 1', '"version": 2'),
+                         ('"<f8"', '"<f4"'), ('"converged": ', '"converged": -'), ('"converged": ', '"converged": 1'),
+                         ('"table": false', '"table": true'), (text, "{"), (text, "[]")):  # fmt: skip
+            with self.subTest(new):
+                self.assertIn(old, text)
+                described.write_text(text.replace(old, new))
+                self.refused("merge", "shard1", "shard2", "shard3", "-o", "none", says=["shard3"])
+        described.write_text(text.replace('"shard": [\n    3,\n    3', '"shard": [\n    3,\n    2000000000'))
+        self.refused("merge", "shard3", "-o", "none", says=["of 2000000000 shards 1, 2, 4, ", " and more are missing"])
+        described.write_text(text)
         damaged = self.root / "shard3/sigma.npy"
         damaged.write_bytes(damaged.read_bytes()[:-8])
         self.refused("merge", "shard1", "shard2", "shard3", "-o", "none", says=["shard3/sigma.npy: cut"])
@@ -131,10 +146,39 @@ class Solve(ProgramTest):
         self.assertFalse((self.root / "out").exists())
         self.refused("solve", "in", "--model", "line.glsl", *START, "--resume", "-o", "out",
                      says=["out.parts: holds parts of another fit: ", "--optimizer is 'cg' there, 'lm' here"])
+        for other, says in ((("--optimizer", "cg", "--memory", "2M"), "--memory is '4M' there, '2M' here"),
+                            ((*more, "--shard", "2/2"), "--shard is '' there, '2/2' here")):
+            self.refused("solve", "in", "--model", "line.glsl", *START, *other, "--resume", "-o", "out", says=[says])
         again = self.solve(*more, "--resume", out="out")
         self.assertIn("out.parts: goes on from there", again.stderr)
         self.assertEqual(self.arrays("whole"), self.arrays("out"))
         self.assertFalse((self.root / "out.parts").exists())
+
+    def test_counts_that_no_file_holds(self):
+        folder = self.root / "empty"
+        folder.mkdir()
+        save(folder / "terms.npy", (0, 1), [])
+        for count, says in ((2**60, "problems, more than any disk holds"), (2**50, "of disk for none")):
+            save(folder / "targets.npy", (count, 0), [])
+            self.refused("solve", "empty", "--model", "line.glsl", *START, "-o", "none", says=[says])
+        save(folder / "targets.npy", (0, 3), [])
+        save(folder / "terms.npy", (0, 3, 1), [])
+        self.refused("solve", "empty", "--model", "line.glsl", *START, "--lower", "slope=2", "--upper", "slope=1", "-o", "none",
+                     says=["bounds of slope: from 2 to 1"])
+        self.assertIn("0 problems in 0 s\n", self.good("solve", "empty", "--model", "line.glsl", *START, "-o", "none").stdout)
+
+    def test_what_a_killed_run_left_beside_a_finished_solution(self):
+        self.problems("in", 50)
+        self.solve(out="out")
+        left = self.root / "out.parts/shard-1"
+        left.mkdir(parents=True)
+        for age, stays in ((3600, False), (-3600, True)):
+            left.mkdir(parents=True, exist_ok=True)
+            (left / "part-1.bin").write_text("finished")
+            for path in (left / "part-1.bin", left, left.parent):
+                os.utime(path, (time.time() - age,) * 2)
+            self.assertIn("done already", self.solve(out="out").stderr)
+            self.assertEqual(left.exists(), stays)
 
     def test_what_is_wrong_in_the_last_block_shows_before_the_first_is_solved(self):
         self.problems("in", 3000)

@@ -158,6 +158,51 @@ TEST(BatchSolve, EveryOptimizerFindsTheSameMinima) {
 }
 
 // None of them is what another is, and those that keep to a descent never end above the start.
+// Whatever stands in the lanes beside a problem, or stood in its own before: starts at which nothing is finite, too.
+TEST(BatchSolve, NoOptimizerMindsItsNeighbours) {
+    const Peaks<double> made(60, 2);
+    Peaks<double> spoiled = made;
+    for (size_t k = 0; k < made.count; k += 3) spoiled.starts[5 * k] = 1e308;
+    for (const auto& [name, optimizer] : batch_optimizers()) {
+        const Options options{.optimizer = optimizer, .iterations = 300, .tolerance = 1e-3};
+        const auto alone = solve(compiled(peak), made.problems(), options);
+        const auto beside = solve(compiled(peak), spoiled.problems(), options);
+        for (size_t k = 0; k < made.count; ++k) {
+            if (k % 3 == 0) continue;
+            EXPECT_EQ(alone.steps[k], beside.steps[k]) << name << " " << k;
+            for (size_t i = 5 * k; i < 5 * k + 5; ++i)
+                EXPECT_EQ(alone.parameters[i], beside.parameters[i]) << name << " " << k;
+        }
+    }
+}
+
+// Another unit of the targets, a power of 2, is another unit of two parameters and changes no step.
+TEST(BatchSolve, NoOptimizerMindsTheUnit) {
+    const Peaks<double> made(30, 2);
+    Peaks<double> tiny = made;
+    const double unit = std::ldexp(1.0, -60);
+    for (double& y : tiny.targets) y *= unit;
+    for (size_t k = 0; k < made.count; ++k)
+        for (const size_t i : {0, 4}) tiny.starts[5 * k + i] *= unit;
+    for (const auto& [name, optimizer] : batch_optimizers()) {
+        const Options options{.optimizer = optimizer, .iterations = 300, .tolerance = 1e-3};
+        EXPECT_EQ(solve(compiled(peak), made.problems(), options).steps,
+                  solve(compiled(peak), tiny.problems(), options).steps)
+            << name;
+    }
+}
+
+// At a height of 0 no sample depends on where the peak is, nor on its width; a step further all do.
+TEST(BatchSolve, ParametersThatMatterLaterAreFound) {
+    Peaks<double> made(20, 1);
+    for (size_t k = 0; k < made.count; ++k) made.starts[5 * k] = 0;
+    for (const auto& [name, optimizer] : batch_optimizers()) {
+        const auto found =
+            solve(compiled(peak), made.problems(), {.optimizer = optimizer, .iterations = 20000, .tolerance = 1e-2});
+        EXPECT_EQ(found.counts()[size_t(BatchStatus::converged)], made.count) << name;
+    }
+}
+
 TEST(BatchSolve, OptimizersDifferByWhatTheyKnow) {
     const Peaks<double> made(60, 2);
     std::map<std::string, int64_t> steps;

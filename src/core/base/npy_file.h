@@ -54,7 +54,8 @@ public:
     const std::vector<uint64_t>& shape() const { return shape_; }
     uint64_t elements() const;
     bool whole_numbers() const { return kind_ != 'f'; }
-    std::string shape_text() const;  ///< "(3, 4)"
+    std::string type() const { return {'<', kind_, char('0' + bytes_)}; }  ///< as npy_type() names it
+    std::string shape_text() const;                                        ///< "(3, 4)"
     /// All elements in C order, whichever the file's is. T: float or double, to which numbers are rounded (UserError
     /// for those beyond what a float holds); or int64_t, of whole numbers alone (UserError).
     template <class T>

@@ -109,7 +109,7 @@ Ended run_program(std::vector<std::string> command) {
     return ended;
 }
 
-RunningProgram::RunningProgram(std::vector<std::string> command) {
+RunningProgram::RunningProgram(std::vector<std::string> command) : name_(command[0]) {
     int ends[2];  // one socket each way: a write to a program that has ended raises no signal
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
         throw SystemError("socketpair failed: " + std::generic_category().message(errno));
@@ -142,7 +142,8 @@ RunningProgram::~RunningProgram() {
 void RunningProgram::write(const void* bytes, size_t size) {
     for (const char* at = static_cast<const char*>(bytes); size > 0;) {
         const ssize_t count = send(socket_, at, size, MSG_NOSIGNAL);
-        if (count < 0 && errno != EINTR) throw SystemError("a program that was written to has ended");
+        throw_if_interrupted();
+        if (count < 0 && errno != EINTR) throw SystemError(name_ + " ended before it was told all");
         if (count > 0) at += count, size -= size_t(count);
     }
 }
@@ -150,7 +151,8 @@ void RunningProgram::write(const void* bytes, size_t size) {
 void RunningProgram::read(void* bytes, size_t size) {
     for (char* at = static_cast<char*>(bytes); size > 0;) {
         const ssize_t count = recv(socket_, at, size, 0);
-        if (count == 0 || (count < 0 && errno != EINTR)) throw SystemError("a program that was read from has ended");
+        throw_if_interrupted();
+        if (count == 0 || (count < 0 && errno != EINTR)) throw SystemError(name_ + " ended before it answered");
         if (count > 0) at += count, size -= size_t(count);
     }
 }

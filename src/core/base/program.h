@@ -32,6 +32,7 @@ public:
     void read(void* bytes, size_t size);
 
 private:
+    std::string name_;
     int socket_ = -1, process_ = 0;
 };
 

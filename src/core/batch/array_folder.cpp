@@ -74,7 +74,7 @@ void ArrayFolder<real>::open_texels(const ModelText& model) {
 template <class real>
 void ArrayFolder<real>::arrange(const ModelText& model, const ProblemArrays<real>& shapes) {
     all_ = arranged(model, shapes);
-    if (!offsets_.empty()) check_offsets(offsets_);
+    if (!offsets_.empty()) check_offsets(offsets_, offsets_file_.string());
 }
 
 template <class real>
@@ -110,6 +110,13 @@ void ArrayFolder<real>::read_starts(size_t first, size_t count, std::vector<real
     for (size_t start = 0; start < all_.start_count; ++start)
         starts_->append((start * (one ? 1 : all_.count) + (one ? 0 : first)) * parameters,
                         (one ? 1 : count) * parameters, to);
+}
+
+template <class real>
+uint64_t ArrayFolder<real>::numbers_of_starts(size_t problems) const {
+    if (!starts_) return 0;
+    const uint64_t common = all_.start_count * starts_->shape().shape.back();
+    return starts_->size() == common ? common : common * problems;
 }
 
 template <class real>

@@ -49,6 +49,7 @@ public:
     size_t count() const { return all_.count; }
     size_t samples() const { return all_.samples; }  ///< of each problem, without offsets
     size_t start_count() const { return all_.start_count; }
+    uint64_t numbers_of_starts(size_t problems) const;  ///< that read_starts() reads of so many
     const std::vector<int64_t>& offsets() const { return offsets_; }
     const std::optional<ArrayFile<real>>& starts() const { return starts_; }
     uint64_t begin_of(size_t problem) const;  ///< where its samples begin among all

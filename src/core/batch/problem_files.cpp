@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -26,6 +27,10 @@ ProblemFiles<real>::ProblemFiles(const path& input, const ModelText& model, cons
         table_ = read_problem_table<real>(input, model);
     numbers_of_sample_ = arrays_ ? arrays_->numbers_of_sample()
                                  : model.terms.size() + model.values.size() + (table_.weights.empty() ? 0 : 1);
+    const uint64_t p = given_.size(),
+                   of_each = (p + 2) * (p + 2) + numbers_of_sample_;  // that a problem and its solution have
+    if (uint64_t(count()) > (uint64_t(1) << 58) / of_each)
+        throw UserError(fmt::format("{}: {} problems, more than any disk holds solutions of", input.string(), count()));
     std::vector<real> common;
     if (arrays_ && arrays_->starts() && arrays_->starts()->size() != given_.size()) return;
     if (arrays_) arrays_->read_starts(0, 1, common);
@@ -67,7 +72,7 @@ template <class real>
 uint64_t ProblemFiles<real>::bytes(size_t first, size_t count) const {
     const uint64_t samples = arrays_ ? arrays_->begin_of(first + count) - arrays_->begin_of(first)
                                      : uint64_t(table_.offsets[first + count] - table_.offsets[first]);
-    const uint64_t starts = arrays_ ? arrays_->start_count() * count * given_.size() : given_.size();
+    const uint64_t starts = std::max<uint64_t>(given_.size(), arrays_ ? arrays_->numbers_of_starts(count) : 0);
     return (samples * numbers_of_sample_ + starts) * sizeof(real) + (count + 1) * sizeof(int64_t);
 }
 

@@ -26,12 +26,30 @@ void require_size(const char* what, size_t found, size_t needed, const std::stri
 
 }  // namespace
 
-void check_offsets(std::span<const int64_t> offsets) {
-    if (offsets[0] != 0) throw UserError(fmt::format("offsets: begin with {}; the first is 0", offsets[0]));
+void check_offsets(std::span<const int64_t> offsets, const std::string& name) {
+    if (offsets[0] != 0) throw UserError(fmt::format("{}: begin with {}; the first is 0", name, offsets[0]));
     for (size_t i = 1; i < offsets.size(); ++i)
         if (offsets[i] < offsets[i - 1])
             throw UserError(
-                fmt::format("offsets: number {} is {}, less than the one before it; they never fall", i, offsets[i]));
+                fmt::format("{}: number {} is {}, less than the one before it; they never fall", name, i, offsets[i]));
+}
+
+void check_options(const ModelText& model, const Options& o) {
+    const size_t P = model.parameters.size();
+    for (const auto* bounds : {&o.lower, &o.upper})
+        if (!bounds->empty()) require_size("bounds", bounds->size(), P, fmt::format("{} parameters", P));
+    if (!o.fixed.empty()) require_size("fixed", o.fixed.size(), P, fmt::format("{} parameters", P));
+    for (size_t i = 0; i < P; ++i) {
+        const double low = o.lower.empty() ? -INFINITY : o.lower[i], high = o.upper.empty() ? INFINITY : o.upper[i];
+        if (!(low <= high))
+            throw UserError(fmt::format("bounds of {}: from {} to {}; the lower one is no more than the upper one",
+                                        model.parameters[i], low, high));
+    }
+    if (o.iterations.value_or(0) < 0) throw UserError(fmt::format("iterations = {}: choose 0 or more", *o.iterations));
+    if (!(o.learning_rate > 0 && std::isfinite(o.learning_rate)))
+        throw UserError(fmt::format("learning-rate = {}: choose a number above 0", o.learning_rate));
+    if (!(o.tolerance >= 0)) throw UserError(fmt::format("tolerance = {}: choose 0 or more", o.tolerance));
+    if (!(o.loss_scale > 0)) throw UserError(fmt::format("loss-scale = {}: choose a number above 0", o.loss_scale));
 }
 
 template <class real>
@@ -39,7 +57,7 @@ void check_problems(const ModelText& model, const Problems<real>& p, const Optio
     const size_t P = model.parameters.size(), T = model.terms.size(), Y = model.values.size();
     if (!p.offsets.empty()) {
         require_size("offsets", p.offsets.size(), p.count + 1, fmt::format("{} problems + 1", p.count));
-        check_offsets(p.offsets);
+        check_offsets(p.offsets, "offsets");
     }
     const size_t all = p.all_samples();
     require_size("targets", p.targets.size(), all * Y, fmt::format("{} samples of {} values", all, Y));
@@ -58,20 +76,7 @@ void check_problems(const ModelText& model, const Problems<real>& p, const Optio
         if (!std::isfinite(p.starts[i]))
             throw UserError(fmt::format("starts: {} of problem {} is no finite number", model.parameters[i % P],
                                         p.first + i / P % std::max<size_t>(1, p.count)));
-    for (const auto* bounds : {&o.lower, &o.upper})
-        if (!bounds->empty()) require_size("bounds", bounds->size(), P, fmt::format("{} parameters", P));
-    if (!o.fixed.empty()) require_size("fixed", o.fixed.size(), P, fmt::format("{} parameters", P));
-    for (size_t i = 0; i < P; ++i) {
-        const double low = o.lower.empty() ? -INFINITY : o.lower[i], high = o.upper.empty() ? INFINITY : o.upper[i];
-        if (!(low <= high))
-            throw UserError(fmt::format("bounds of {}: from {} to {}; the lower one is no more than the upper one",
-                                        model.parameters[i], low, high));
-    }
-    if (o.iterations.value_or(0) < 0) throw UserError(fmt::format("iterations = {}: choose 0 or more", *o.iterations));
-    if (!(o.learning_rate > 0 && std::isfinite(o.learning_rate)))
-        throw UserError(fmt::format("learning-rate = {}: choose a number above 0", o.learning_rate));
-    if (!(o.tolerance >= 0)) throw UserError(fmt::format("tolerance = {}: choose 0 or more", o.tolerance));
-    if (!(o.loss_scale > 0)) throw UserError(fmt::format("loss-scale = {}: choose a number above 0", o.loss_scale));
+    check_options(model, o);
 }
 
 template <class real>

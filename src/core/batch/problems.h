@@ -86,10 +86,13 @@ const std::vector<std::pair<std::string, Precision>>& precisions();
 const char* name_of(BatchStatus status);     ///< "at_bound"
 const char* meaning_of(BatchStatus status);  ///< in a few words
 
+/// Throws UserError for bounds that cross, or other options that can't be.
+void check_options(const ModelText& model, const Options& options);
 /// Throws UserError for offsets (one at least) that don't begin with 0, or fall.
-void check_offsets(std::span<const int64_t> offsets);
-/// Throws UserError for arrays whose sizes don't fit the model, offsets that fall, weights that are none, bounds that
-/// cross, or a start that is no number.
+/// name: theirs in messages.
+void check_offsets(std::span<const int64_t> offsets, const std::string& name);
+/// Throws UserError for arrays whose sizes don't fit the model, offsets that fall, weights that are none, or a
+/// start that is no number; and as check_options() does.
 template <class real>
 void check_problems(const ModelText& model, const Problems<real>& problems, const Options& options);
 

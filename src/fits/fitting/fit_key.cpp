@@ -62,10 +62,10 @@ std::string difference_of_keys(const std::string& there, const std::string& here
         found.push_back("the dataset was made anew since");
     if (differ("problems")) found.push_back("the problems are others");
     if (differ("model_text")) found.push_back("the model's text is another");
-    const Json ours = a.value("options", Json()), theirs = b.value("options", Json());
-    if (!ours.is_object()) return "it is of another kind, or damaged";
-    for (const auto& option : theirs.items())
-        if (const std::string x = text_of(ours, option.key()), y = text_of(theirs, option.key()); x != y)
+    const Json options_there = a.value("options", Json()), options_here = b.value("options", Json());
+    if (!options_there.is_object() || !options_here.is_object()) return "it is of another kind, or damaged";
+    for (const auto& option : options_here.items())
+        if (const std::string x = text_of(options_there, option.key()), y = text_of(options_here, option.key()); x != y)
             found.push_back(fmt::format("{} is {} there, {} here", flag_of(option.key()), x, y));
     return found.empty() ? "it is of another kind, or damaged" : fmt::format("{}", fmt::join(found, "; "));
 }

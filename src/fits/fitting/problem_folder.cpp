@@ -6,7 +6,6 @@ namespace radiafit::fits {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr int format_version = 1;
 
 Json object_of(const JsonFields& fields) {
     Json object = Json::object();
@@ -36,7 +35,7 @@ void ProblemFolder::describe_views(const std::vector<uint32_t>& training, const 
 }
 
 void ProblemFolder::commit(const Record& record) {
-    Json json = {{"format", format_}, {"version", format_version}, {"byte_order", "little"}};
+    Json json = {{"format", format_}, {"version", problem_folder_version}, {"byte_order", "little"}};
     json.update(object_of(entries_));
     json["arrays"] = object_of(arrays_);
     json["provenance"] = Json::parse(record_json(record));

@@ -11,6 +11,8 @@
 
 namespace radiafit::fits {
 
+inline constexpr int problem_folder_version = 1;  ///< of the JSON file: "version"
+
 /// Arrays for other people's solvers, and a JSON file that describes them: the PROBLEMS folder of docs/problems.md, or
 /// PARAMETERS. Written under a temporary name until commit(); a folder of the name that is there already is refused.
 class ProblemFolder {

@@ -74,8 +74,9 @@ void remove_leftovers_of(const fs::path& out) {
     const fs::file_time_type ended = fs::last_write_time(target, error);
     if (error) return;
     clear_leftovers(target.parent_path());
-    for (const fs::path& file : files_in(folder))
-        if (fs::last_write_time(file, error) > ended || error) return;
+    if (!folder_exists(folder)) return;
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+        if (fs::last_write_time(entry.path(), error) > ended || error) return;
     remove_unfinished(folder);
 }
 

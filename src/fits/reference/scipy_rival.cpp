@@ -40,7 +40,7 @@ while header := sys.stdin.buffer.read(32):
         end = least_squares(lambda x: look(x)["r"], start, jac=lambda x: look(x)["j"], method=("lm", "trf", "dogbox")[method],
                             x_scale="jac", ftol=1e-15, xtol=1e-15, gtol=1e-15, max_nfev=evaluations)
         give(0, [end.status > 0, end.nfev, *end.x])
-    except ValueError:  # residuals that are not finite
+    except Exception:  # its own, of residuals or derivatives that are not finite
         give(0, [0, 0, *start])
 )";
 

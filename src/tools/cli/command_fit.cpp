@@ -254,10 +254,9 @@ void add_merge(CommandLine& program, const Invocation& invocation) {
     command.on_run([=, &command] {
         { const AtomicFolder tried(o->out, AtomicFolder::Existing::replace); }
         if (of_solution()) {
-            for (const char* option : {"--dataset", "--json"})
-                if (command.given(option)) throw UserError(fmt::format("{} is of shards of a fit", option));
-            return merge_solutions({folders->begin(), folders->end()}, o->out,
-                                   make_record(invocation.argc, invocation.argv));
+            if (command.given("--dataset")) throw UserError("--dataset is of shards of a fit; leave it out");
+            const Record record = make_record(invocation.argc, invocation.argv);
+            return print_solution(merge_solutions({folders->begin(), folders->end()}, o->out, record), o->json);
         }
         const ShardNote note = read_shard(folders->front());
         const Dataset dataset = open_dataset(moved_to->empty() ? note.dataset : std::filesystem::path(*moved_to));

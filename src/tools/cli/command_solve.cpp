@@ -72,11 +72,12 @@ batch::ByName by_name(const std::string& option, const std::vector<std::string>&
     return out;
 }
 
-/// All that decides a solution, as JSON: what an interrupted run left, and shards, carry it.
-std::string solve_key(const SolveCommand& command, const batch::ModelText& model,
-                      const std::vector<std::filesystem::path>& files) {
+/// All that decides a solution, as JSON, which all shards of one have in common.
+Json solve_key(const SolveCommand& command, const batch::ModelText& model,
+               const std::vector<std::filesystem::path>& files) {
     std::string problems;
-    for (const std::filesystem::path& file : files) problems += fmt::format("{:016x}", file_checksum(file));
+    for (const std::filesystem::path& file : files)
+        problems += fmt::format("{} {:016x} ", file.filename().string(), file_checksum(file));
     const batch::Options& o = command.options;
     const auto joined = [](const std::vector<std::string>& texts) { return fmt::format("{}", fmt::join(texts, ",")); };
     return Json{{"program", program_key()},
@@ -94,8 +95,14 @@ std::string solve_key(const SolveCommand& command, const batch::ModelText& model
                   {"loss", name_of_choice(batch::batch_losses(), o.loss)},
                   {"loss-scale", o.loss_scale},
                   {"known-noise", o.known_noise}}},
-                {"model_text", fmt::format("{:016x}", hash_bytes(model.text.data(), model.text.size()))}}
-        .dump();
+                {"model_text", fmt::format("{:016x}", hash_bytes(model.text.data(), model.text.size()))}};
+}
+
+/// The same and which problems stand in which block, as what an interrupted run left carries it.
+std::string key_of_run(Json key, const SolveCommand& command) {
+    key["options"]["shard"] = command.shard;
+    key["options"]["memory"] = bytes_text(command.memory);
+    return key.dump();
 }
 
 /// Problems that are in memory at a time.
@@ -128,22 +135,6 @@ Block share_of(const std::optional<Shard>& shard, size_t problems) {
     return {first, problems * i / n - first};
 }
 
-void print_solution(const SolutionNote& note, bool json) {
-    if (json) {
-        fmt::print("{}\n", Json{{"problems", note.problems},
-                                {"seconds", note.seconds},
-                                {"statuses", Json::parse(statuses_json(note.statuses))}}
-                               .dump());
-        return;
-    }
-    fmt::print("{} problems in {:.3g} s: {:.3g} a second\n", note.problems, note.seconds,
-               double(note.problems) / note.seconds);
-    for (size_t s = 0; s < note.statuses.size(); ++s)
-        if (note.statuses[s] > 0)
-            fmt::print("  {} {}: {}\n", note.statuses[s], batch::name_of(BatchStatus(s)),
-                       batch::meaning_of(BatchStatus(s)));
-}
-
 /// Block by block; `unfinished` keeps what is solved.
 template <class real>
 void solve_blocks(const SolveCommand& command, const Record& record, const std::filesystem::path& unfinished) {
@@ -157,18 +148,20 @@ void solve_blocks(const SolveCommand& command, const Record& record, const std::
     if (!command.shard.empty()) note.shard = parse_shard(command.shard);
     const Block range = share_of(note.shard, files.count());
     note.problems = range.count;
-    note.key = solve_key(command, text, files.files());
-    check_unfinished(unfinished, note.key, command.resume);
+    const Json key = solve_key(command, text, files.files());
+    const std::string run = key_of_run(key, command);
+    note.key = key.dump();
+    batch::check_options(text, options);
+    check_unfinished(unfinished, run, command.resume);
 
     const auto bytes = [&](size_t first, size_t count) {
         return files.bytes(first, count) + count * solution_bytes(note);
     };
+    const uint64_t kept = command.checkpoint_s > 0 ? 2 : 1, disk = kept * range.count * solution_bytes(note);
+    uint64_t block = range.count > 0 ? bytes(range.first + range.count / 2, 1) : 0;
+    block = std::max(block, std::min(command.memory, bytes(range.first, range.count)));
+    announce_needs("solve", {files.held_bytes() + block + program_bytes, disk}, command.out, command.force);
     const std::vector<Block> blocks = blocks_of(range, command.memory, bytes);
-    uint64_t most = 0;
-    for (const Block& b : blocks) most = std::max(most, bytes(b.first, b.count));
-    const uint64_t kept = command.checkpoint_s > 0 ? 2 : 1;
-    announce_needs("solve", {files.held_bytes() + most + program_bytes, kept * range.count * solution_bytes(note)},
-                   command.out, command.force);
     SolutionFolder<real> folder(command.out, note);
     if (blocks.size() > 1)  // what is wrong in the last one shows now, not at the end
         for (const Block& b : blocks) batch::check_problems(text, files.read(b.first, b.count).arrays(), options);
@@ -176,7 +169,7 @@ void solve_blocks(const SolveCommand& command, const Record& record, const std::
     if (model.seconds() > 0)
         log_info(fmt::format("{}: compiled in {:.1f} s, and kept", command.model, model.seconds()));
 
-    Journal journal(unfinished / (std::string("solution") + journal_extension), note.key, command.checkpoint_s);
+    Journal journal(unfinished / (std::string("solution") + journal_extension), run, command.checkpoint_s);
     Progress progress("solve", range.count);
     options.journal = &journal;
     options.progress = &progress;

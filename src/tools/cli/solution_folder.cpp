@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -17,6 +18,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using batch::BatchStatus;
 
+constexpr const char* solution_format = "radiafit-solution";
 constexpr const char* table_name = "solution.csv";
 
 /// As JSON; a model's comments may be in another encoding than UTF-8.
@@ -37,10 +39,10 @@ std::vector<std::string> columns_of(const batch::ModelText& model) {
 }
 
 /// The numbers of a shard's array. Throws UserError unless it has this shape.
-template <class T>
+template <class T, class Stored = T>
 std::vector<T> array_of(const fs::path& folder, const char* name, const std::vector<uint64_t>& shape) {
     const NpyReader file(folder / fmt::format("{}.npy", name), name);
-    if (file.shape() != shape) throw_damaged(folder / fmt::format("{}.npy", name));
+    if (file.shape() != shape || file.type() != npy_type<Stored>()) throw_damaged(folder / fmt::format("{}.npy", name));
     return file.read<T>();
 }
 
@@ -54,11 +56,11 @@ batch::Solution<real> read_solution(const fs::path& folder, const SolutionNote& 
                               .status = {},
                               .steps = {},
                               .samples = array_of<int64_t>(folder, "samples", {n})};
-    for (const int64_t s : array_of<int64_t>(folder, "status", {n})) {
+    for (const int64_t s : array_of<int64_t, int32_t>(folder, "status", {n})) {
         if (s < 0 || s >= int64_t(BatchStatus::count)) throw_damaged(folder / "status.npy");
         out.status.push_back(int32_t(s));
     }
-    for (const int64_t s : array_of<int64_t>(folder, "iterations", {n})) out.steps.push_back(int32_t(s));
+    for (const int64_t s : array_of<int64_t, int32_t>(folder, "iterations", {n})) out.steps.push_back(int32_t(s));
     return out;
 }
 
@@ -73,12 +75,12 @@ std::vector<std::string> labels_in(const fs::path& folder, const SolutionNote& n
 }
 
 template <class real>
-void merge(const std::map<int, fs::path>& folders, const std::map<fs::path, SolutionNote>& notes, SolutionNote whole,
-           const fs::path& target, const Record& record) {
+void merge(const std::map<int, fs::path>& folders, const std::map<fs::path, SolutionNote>& notes,
+           const SolutionNote& whole, const fs::path& target, const Record& record) {
     SolutionFolder<real> out(target, whole);
     for (const auto& [index, folder] : folders)
         out.add(read_solution<real>(folder, notes.at(folder)), labels_in(folder, notes.at(folder)));
-    out.commit(std::move(whole), record);
+    out.commit(whole, record);
 }
 
 }  // namespace
@@ -97,7 +99,7 @@ uint64_t solution_bytes(const SolutionNote& note) {
 
 template <class real>
 SolutionFolder<real>::SolutionFolder(const fs::path& target, const SolutionNote& note)
-    : folder_(target, "radiafit-solution"),
+    : folder_(target, solution_format),
       parameters_(folder_.open<real>("parameters", {note.problems, note.model.parameters.size()},
                                      "of the best end of each problem, as `parameters` names them")),
       sigma_(folder_.open<real>("sigma", {note.problems, note.model.parameters.size()},
@@ -134,7 +136,7 @@ void SolutionFolder<real>::add(const batch::Solution<real>& solution, const std:
 }
 
 template <class real>
-void SolutionFolder<real>::commit(SolutionNote note, const Record& record) {
+void SolutionFolder<real>::commit(const SolutionNote& note, const Record& record) {
     parameters_.close();
     sigma_.close();
     covariance_.close();
@@ -149,6 +151,7 @@ void SolutionFolder<real>::commit(SolutionNote note, const Record& record) {
     folder_.tell("values", dumped(note.model.values));
     folder_.tell("statuses", statuses_json(note.statuses));
     folder_.tell("seconds", dumped(note.seconds));
+    folder_.tell("table", dumped(note.labelled));
     if (note.shard) {
         folder_.tell("shard", dumped(std::vector{note.shard->index, note.shard->count}));
         folder_.tell("key", note.key);
@@ -159,41 +162,68 @@ void SolutionFolder<real>::commit(SolutionNote note, const Record& record) {
 template class SolutionFolder<float>;
 template class SolutionFolder<double>;
 
-std::optional<SolutionNote> read_solution_shard(const fs::path& folder) {
+void print_solution(const SolutionNote& note, bool json) {
+    if (json) {
+        const Json statuses = Json::parse(statuses_json(note.statuses));
+        fmt::print("{}\n", Json{{"problems", note.problems}, {"seconds", note.seconds}, {"statuses", statuses}}.dump());
+        return;
+    }
+    fmt::print("{} problems in {:.3g} s", note.problems, note.seconds);
+    if (note.seconds > 0) fmt::print(": {:.3g} a second", double(note.problems) / note.seconds);
+    fmt::print("\n");
+    for (size_t s = 0; s < note.statuses.size(); ++s)
+        if (note.statuses[s] > 0)
+            fmt::print("  {} {}: {}\n", note.statuses[s], batch::name_of(BatchStatus(s)),
+                       batch::meaning_of(BatchStatus(s)));
+}
+
+SolutionNote read_solution_shard(const fs::path& folder) {
     const fs::path file = folder / solution_json_name;
-    if (!path_exists(file)) return {};
+    if (!folder_exists(folder)) throw UserError(folder.string() + ": missing; run its shard's command");
+    if (!path_exists(file))
+        throw UserError(folder.string() + ": no shard of a solution; give folders that radiafit solve --shard wrote");
     const Json json = parse_json<Json>(read_file(file, "solution's description"));
     SolutionNote out;
     try {
+        if (json.at("format") != solution_format || json.at("version") != problem_folder_version) throw_damaged(file);
         if (!json.contains("shard"))
             throw UserError(folder.string() + ": a whole solution; give folders that radiafit solve --shard wrote");
-        out.shard = Shard{json.at("shard").at(0), json.at("shard").at(1)};
+        const auto whole = [&](const Json& number, uint64_t most) {
+            if (!number.is_number_unsigned() || number.get<uint64_t>() > most) throw_damaged(file);
+            return number.get<uint64_t>();
+        };
+        const Json& shard = json.at("shard");
+        constexpr uint64_t most_shards = std::numeric_limits<int>::max();
+        out.shard = Shard{int(whole(shard.at(0), most_shards)), int(whole(shard.at(1), most_shards))};
+        if (out.shard->index < 1 || out.shard->index > out.shard->count) throw_damaged(file);
         out.key = json.at("key").dump();
         out.model = batch::read_model(folder.string(), json.at("model").get<std::string>());
-        out.precision = json.at("arrays").at("chi2").at("dtype") == npy_type<double>()
-                            ? batch::Precision::double_precision
-                            : batch::Precision::single_precision;
-        out.problems = json.at("arrays").at("chi2").at("shape").at(0);
-        out.labelled = path_exists(folder / table_name);
-        out.seconds = json.at("seconds");
-        for (const auto& [name, count] : json.at("statuses").items()) out.statuses.push_back(count);
+        const Json& chi2 = json.at("arrays").at("chi2");
+        const bool doubles = chi2.at("dtype") == npy_type<double>();
+        if (!doubles && chi2.at("dtype") != npy_type<float>()) throw_damaged(file);
+        out.precision = doubles ? batch::Precision::double_precision : batch::Precision::single_precision;
+        out.problems = whole(chi2.at("shape").at(0), std::numeric_limits<int64_t>::max());
+        out.labelled = json.at("table").get<bool>();
+        out.seconds = json.at("seconds").get<double>();
+        uint64_t left = out.problems;
+        for (const auto& [name, count] : json.at("statuses").items()) {
+            out.statuses.push_back(whole(count, left));
+            left -= out.statuses.back();
+        }
+        if (out.statuses.size() != size_t(BatchStatus::count) || left > 0) throw_damaged(file);
     } catch (const Json::exception&) {
         throw_damaged(file);
     }
-    if (out.statuses.size() != size_t(BatchStatus::count)) throw_damaged(file);
     return out;
 }
 
-void merge_solutions(const std::vector<fs::path>& shards, const fs::path& target, const Record& record) {
+SolutionNote merge_solutions(const std::vector<fs::path>& shards, const fs::path& target, const Record& record) {
     std::vector<ShardFolder> folders;
     std::map<fs::path, SolutionNote> notes;
     for (const fs::path& folder : shards) {
-        const auto note = read_solution_shard(folder);
-        if (!note)
-            throw UserError(folder.string() +
-                            ": no shard of a solution; give folders that radiafit solve --shard wrote");
-        folders.push_back({folder, *note->shard, note->key});
-        notes.emplace(folder, *note);
+        const SolutionNote note = read_solution_shard(folder);
+        folders.push_back({folder, *note.shard, note.key});
+        notes.emplace(folder, note);
     }
     const auto in_order = whole_of_shards(folders, folders.front().key);
     SolutionNote whole = notes.at(shards.front());
@@ -202,14 +232,16 @@ void merge_solutions(const std::vector<fs::path>& shards, const fs::path& target
     whole.seconds = 0;
     whole.statuses.assign(size_t(BatchStatus::count), 0);
     for (const auto& [folder, note] : notes) {
+        if (note.precision != whole.precision) throw_damaged(folder / solution_json_name);
         whole.problems += note.problems;
         whole.seconds += note.seconds;
         for (size_t s = 0; s < whole.statuses.size(); ++s) whole.statuses[s] += note.statuses[s];
     }
     if (whole.precision == batch::Precision::double_precision)
-        merge<double>(in_order, notes, std::move(whole), target, record);
+        merge<double>(in_order, notes, whole, target, record);
     else
-        merge<float>(in_order, notes, std::move(whole), target, record);
+        merge<float>(in_order, notes, whole, target, record);
+    return whole;
 }
 
 }  // namespace radiafit::tools

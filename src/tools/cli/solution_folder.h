@@ -36,7 +36,7 @@ public:
     SolutionFolder(const std::filesystem::path& target, const SolutionNote& note);
     /// The next problems; labels: of a table's.
     void add(const batch::Solution<real>& solution, const std::vector<std::string>& labels);
-    void commit(SolutionNote note, const Record& record);
+    void commit(const SolutionNote& note, const Record& record);
 
 private:
     ProblemFolder folder_;
@@ -50,13 +50,17 @@ private:
 /// Bytes that the arrays of a solution take, of each problem.
 uint64_t solution_bytes(const SolutionNote& note);
 
-/// What solution.json says of a shard, or nothing where the folder holds none. Throws UserError for one that is
-/// damaged, or whole.
-std::optional<SolutionNote> read_solution_shard(const std::filesystem::path& folder);
+/// What solution.json says of a shard. Throws UserError for a folder that holds none, or a whole solution, or is
+/// damaged.
+SolutionNote read_solution_shard(const std::filesystem::path& folder);
 
-/// Puts shards together. Throws UserError naming those that are missing, foreign or there twice.
-void merge_solutions(const std::vector<std::filesystem::path>& shards, const std::filesystem::path& target,
-                     const Record& record);
+/// Puts shards together; a shard at a time is held. Throws UserError naming those that are missing, foreign or there
+/// twice.
+SolutionNote merge_solutions(const std::vector<std::filesystem::path>& shards, const std::filesystem::path& target,
+                             const Record& record);
+
+/// How many ended how, for people or as JSON.
+void print_solution(const SolutionNote& note, bool json);
 
 /// {"converged": 12, ...}: how many ended how.
 std::string statuses_json(const std::vector<size_t>& counts);

@@ -5,6 +5,7 @@
 #include <malloc.h>
 
 #include <algorithm>
+#include <charconv>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -153,9 +154,14 @@ FitRequest part_request(FitRequest request, std::span<const uint32_t> units) {
 
 Shard parse_shard(const std::string& text) {
     Shard shard;
-    int end = 0;
-    const bool read = std::sscanf(text.c_str(), "%d/%d%n", &shard.index, &shard.count, &end) == 2;
-    if (!read || size_t(end) != text.size() || shard.index < 1 || shard.index > shard.count)
+    const char *at = text.data(), *end = at + text.size();
+    const auto read = [&](int& number) {
+        const auto [behind, error] = std::from_chars(at, end, number);
+        at = behind;
+        return error == std::errc();
+    };
+    if (!read(shard.index) || at == end || *at++ != '/' || !read(shard.count) || at != end || shard.index < 1 ||
+        shard.index > shard.count)
         throw UserError(fmt::format("shard '{}': give which and of how many, such as 2/7", text));
     return shard;
 }
@@ -289,13 +295,15 @@ std::map<int, fs::path> whole_of_shards(const std::vector<ShardFolder>& shards, 
             throw UserError(fmt::format("{} and {}: both are {}; leave one out", at->second.string(), s.folder.string(),
                                         name_of(s.shard)));
     }
-    std::vector<int> missing;
-    for (int i = 1; i <= first.shard.count; ++i)
-        if (!have.contains(i)) missing.push_back(i);
-    if (!missing.empty())
-        throw UserError(fmt::format("of {} shards {} {} missing; run {} and give all folders", first.shard.count,
-                                    fmt::join(missing, ", "), missing.size() == 1 ? "is" : "are",
-                                    missing.size() == 1 ? "its command" : "their commands"));
+    constexpr size_t most_named = 20;
+    const size_t missing = size_t(first.shard.count) - have.size();
+    std::vector<int> named;
+    for (int i = 1; i <= first.shard.count && named.size() < std::min(missing, most_named); ++i)
+        if (!have.contains(i)) named.push_back(i);
+    if (missing > 0)
+        throw UserError(fmt::format("of {} shards {}{} {} missing; run {} and give all folders", first.shard.count,
+                                    fmt::join(named, ", "), missing > named.size() ? " and more" : "",
+                                    missing == 1 ? "is" : "are", missing == 1 ? "its command" : "their commands"));
     return have;
 }
 
