@@ -40,6 +40,11 @@ TEST_F(NpyTest, MatricesOfEveryOrderAndType) {
         EXPECT_EQ(array.shape(), (std::vector<uint64_t>{2, 3}));
         EXPECT_EQ(array.read<double>(), values_);
         EXPECT_EQ(array.read<float>(), std::vector<float>(values_.begin(), values_.end()));
+        if (array.first_index_fastest())
+            EXPECT_THROW(array.read<double>(2, 3), std::logic_error);
+        else
+            EXPECT_EQ(array.read<double>(2, 3), (std::vector<double>{3, 4, 5.5}));
+        EXPECT_THROW(array.read<double>(4, 3), std::logic_error);
     };
     expect(read(npy("<f8", false, "(2, 3)", data_)));
     expect(read(npy("<f4", false, "(2, 3)", bytes_of(std::vector<float>(values_.begin(), values_.end())))));

@@ -7,6 +7,10 @@
 #include <csignal>
 #include <filesystem>
 #include <stdexcept>
+#include <string>
+#include <thread>
+
+#include "base/error.h"
 
 namespace radiafit {
 namespace {
@@ -53,6 +57,29 @@ TEST(RunInFront, HasItsStatusFolderAndTime) {
     EXPECT_EQ(run_in_front({"sh", "-c", "kill -SEGV $$"}, folder, 60), 128 + SIGSEGV);
     EXPECT_EQ(run_in_front({"sleep", "60"}, folder, 1), 128 + SIGALRM);
     EXPECT_EQ(run_in_front({"no-such-program"}, folder, 60), 127);
+}
+
+TEST(RunningProgram, AnswersUntilItEnds) {
+    RunningProgram cat({"cat"});
+    for (const std::string& said : {std::string("one"), std::string(1 << 20, 'x'), std::string("\0two", 4)}) {
+        std::string heard(said.size(), ' ');
+        std::thread writer([&] { cat.write(said.data(), said.size()); });
+        cat.read(heard.data(), heard.size());
+        writer.join();
+        EXPECT_EQ(heard, said);
+    }
+    RunningProgram shell({"sh", "-c", "printf ab"});
+    std::string heard(2, ' ');
+    shell.read(heard.data(), 2);
+    EXPECT_EQ(heard, "ab");
+    try {
+        shell.read(heard.data(), 1);
+        ADD_FAILURE() << "it has ended";
+    } catch (const SystemError& e) {
+        EXPECT_NE(std::string(e.what()).find("sh ended"), std::string::npos) << e.what();
+    }
+    EXPECT_THROW(shell.write(heard.data(), 2), SystemError);
+    EXPECT_THROW(RunningProgram({"no-such-program-is-here"}), SystemError);
 }
 
 TEST(RunApart, WhatDoesNotEndIsEnded) {

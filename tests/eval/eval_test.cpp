@@ -3,8 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -554,14 +556,17 @@ TEST(FindExposure, IsTheLeastOfAll) {
 TEST(PixelAreas, PointsLieEvenlyInEachPixel) {
     const Dataset dataset = sheet_dataset(troubled_mesh(3, 7, 1), 1, 48, 2);
     const View& view = dataset.views[0];
+    std::mutex mutex;                           // points are shaded by several threads, in any order
     std::vector<std::array<double, 2>> points;  // of pixel (0, 0): the camera moves, so that pixels' centres lie there
     const Contestant watcher{[&](const View& moved, const auto& pixels, std::vector<float>& rgb, int) {
+        const std::scoped_lock lock(mutex);
         points.push_back({0.5 + view.camera.cx - moved.camera.cx, 0.5 + view.camera.cy - moved.camera.cy});
         rgb.assign(3 * pixels.size(), 0.25f);
     }};
     PixelAreas areas(dataset, 3);
     areas.shade(watcher, view, 0);
     ASSERT_EQ(points.size(), 9u);
+    std::ranges::sort(points, {}, [](const auto& at) { return 3 * std::floor(3 * at[1]) + std::floor(3 * at[0]); });
     for (size_t i = 0; i < 9; ++i) {
         EXPECT_NEAR(points[i][0], (double(i % 3) + 0.5) / 3, 1e-12);
         EXPECT_NEAR(points[i][1], double(i / 3) / 3 + 0.5 / 3, 1e-12);
@@ -585,7 +590,7 @@ TEST(PixelAreas, MeansAreOfLight) {
     const TemporaryFolder folder;
     const Dataset dataset = gray_dataset(folder.path() / "data", 128);
     for (const TargetSpace space : {TargetSpace::stored, TargetSpace::linear}) {
-        int call = 0;
+        std::atomic<int> call = 0;
         const Contestant blinking{[&](const View&, const auto& pixels, std::vector<float>& rgb, int) {
                                       rgb.assign(3 * pixels.size(), float(call++ % 3 == 0));
                                   },

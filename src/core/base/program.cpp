@@ -82,6 +82,20 @@ int end_status(pid_t child) {
     return status_of(status);
 }
 
+/// Starts a program found on PATH, and destroys the actions. Returns 0, or the error's number.
+int spawn(std::vector<std::string>& command, posix_spawn_file_actions_t& actions, pid_t& child) {
+    std::vector<char*> arguments;
+    for (std::string& argument : command) arguments.push_back(argument.data());
+    arguments.push_back(nullptr);
+    const int failed = posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    return failed;
+}
+
+[[noreturn]] void throw_not_started(const std::string& program, int error) {
+    throw SystemError(fmt::format("posix_spawnp {} failed: {}", program, std::generic_category().message(error)));
+}
+
 }  // namespace
 
 Ended run_program(std::vector<std::string> command) {
@@ -91,17 +105,11 @@ Ended run_program(std::vector<std::string> command) {
     posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, output.writing(), STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, errors.writing(), STDERR_FILENO);
-    std::vector<char*> arguments;
-    for (std::string& argument : command) arguments.push_back(argument.data());
-    arguments.push_back(nullptr);
     pid_t child = 0;
-    const int failed = posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
+    const int failed = spawn(command, actions, child);
     Ended ended;
     if (failed == ENOENT) return ended;
-    if (failed != 0)
-        throw SystemError(
-            fmt::format("posix_spawnp {} failed: {}", command[0], std::generic_category().message(failed)));
+    if (failed != 0) throw_not_started(command[0], failed);
     output.close_writing();
     errors.close_writing();
     take_all(output, errors, ended);
@@ -118,17 +126,12 @@ RunningProgram::RunningProgram(std::vector<std::string> command) : name_(command
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    std::vector<char*> arguments;
-    for (std::string& argument : command) arguments.push_back(argument.data());
-    arguments.push_back(nullptr);
     pid_t child = 0;
-    const int failed = posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
+    const int failed = spawn(command, actions, child);
     close(ends[1]);
     if (failed != 0) {
         close(ends[0]);
-        throw SystemError(
-            fmt::format("posix_spawnp {} failed: {}", command[0], std::generic_category().message(failed)));
+        throw_not_started(command[0], failed);
     }
     socket_ = ends[0];
     process_ = child;
