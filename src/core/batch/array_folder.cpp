@@ -99,7 +99,9 @@ void ArrayFolder<real>::read_targets(uint64_t first, uint64_t samples, std::vect
 
 template <class real>
 void ArrayFolder<real>::read_weights(uint64_t first, uint64_t samples, std::vector<real>& to) const {
-    if (weights_) weights_->append(first, samples, to);
+    if (!weights_) return;
+    weights_->append(first, samples, to);
+    check_weights<real>(to, weights_->name());
 }
 
 template <class real>

@@ -34,6 +34,14 @@ void check_offsets(std::span<const int64_t> offsets, const std::string& name) {
                 fmt::format("{}: number {} is {}, less than the one before it; they never fall", name, i, offsets[i]));
 }
 
+template <class real>
+void check_weights(std::span<const real> weights, const std::string& name) {
+    for (const real w : weights)
+        if (w < 0 || std::isinf(w))
+            throw UserError(fmt::format("{}: {} is {}; a weight is 1 / variance, and 0 leaves out", name, w,
+                                        w < 0 ? "below 0" : "not finite"));
+}
+
 void check_options(const ModelText& model, const Options& o) {
     const size_t P = model.parameters.size();
     for (const auto* bounds : {&o.lower, &o.upper})
@@ -64,10 +72,7 @@ void check_problems(const ModelText& model, const Problems<real>& p, const Optio
     const bool shared = p.offsets.empty() && p.terms.size() == p.samples * T;
     if (!shared) require_size("terms", p.terms.size(), all * T, fmt::format("{} samples of {} terms", all, T));
     if (!p.weights.empty()) require_size("weights", p.weights.size(), all, fmt::format("{} samples", all));
-    for (const real w : p.weights)
-        if (w < 0 || std::isinf(w))
-            throw UserError(fmt::format("weights: {} is {}; a weight is 1 / variance, and 0 leaves out", w,
-                                        w < 0 ? "below 0" : "not finite"));
+    check_weights(p.weights, "weights");
     if (p.start_count == 0) throw UserError("starts: there are none");
     if (p.starts.size() != p.start_count * P)
         require_size("starts", p.starts.size(), p.start_count * p.count * P,
@@ -250,6 +255,8 @@ template struct Problems<float>;
 template struct Problems<double>;
 template struct Solution<float>;
 template struct Solution<double>;
+template void check_weights(std::span<const float>, const std::string&);
+template void check_weights(std::span<const double>, const std::string&);
 template void check_problems(const ModelText&, const Problems<float>&, const Options&);
 template void check_problems(const ModelText&, const Problems<double>&, const Options&);
 template Solution<float> solve(const CompiledModel&, const Problems<float>&, const Options&);

@@ -91,6 +91,9 @@ void check_options(const ModelText& model, const Options& options);
 /// Throws UserError for offsets (one at least) that don't begin with 0, or fall.
 /// name: theirs in messages.
 void check_offsets(std::span<const int64_t> offsets, const std::string& name);
+/// Throws UserError for weights that are none; likewise.
+template <class real>
+void check_weights(std::span<const real> weights, const std::string& name);
 /// Throws UserError for arrays whose sizes don't fit the model, offsets that fall, weights that are none, or a
 /// start that is no number; and as check_options() does.
 template <class real>
