@@ -140,8 +140,12 @@ class Solve(ProgramTest):
         self.problems("in", 200_000)
         more = ("--optimizer", "cg", "--memory", "4M")
         self.solve(*more, out="whole")
-        said = self.stopped(signal.SIGINT, *more)
-        self.assertIsNotNone(said)
+        for _ in range(20):
+            if said := self.stopped(signal.SIGINT, *more):
+                break
+            shutil.rmtree(self.root / "out")
+        else:
+            self.fail("the solution was faster than the signal, twenty times")
         self.assertIn("out.parts keeps what is finished", said.splitlines()[-1])
         self.assertFalse((self.root / "out").exists())
         self.refused("solve", "in", "--model", "line.glsl", *START, "--resume", "-o", "out",

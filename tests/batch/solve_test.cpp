@@ -157,7 +157,7 @@ TEST(BatchSolve, EveryOptimizerFindsTheSameMinima) {
     }
 }
 
-// None of them is what another is, and those that keep to a descent never end above the start.
+// None of them is what another is: the more one knows of the curvature, the fewer steps it takes.
 // Whatever stands in the lanes beside a problem, or stood in its own before: starts at which nothing is finite, too.
 TEST(BatchSolve, NoOptimizerMindsItsNeighbours) {
     const Peaks<double> made(60, 2);

@@ -1,6 +1,7 @@
 #include "reference/curve_rivals.h"
 
 #include <ceres/ceres.h>
+#include <ceres/tiny_solver.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_multifit_nlinear.h>
 #include <nlopt.h>
@@ -9,8 +10,6 @@
 #include <cmath>
 #include <memory>
 #include <unsupported/Eigen/NonLinearOptimization>
-
-#include "reference/tiny_solver.h"
 
 namespace radiafit::fits {
 namespace {
@@ -50,22 +49,33 @@ CurveEnd by_ceres(const CurveProblem& problem, int iterations,
     return out;
 }
 
-CurveEnd by_tiny_solver(const CurveProblem& problem, int iterations) {
-    const auto evaluate = [](const void* of, const double* x, double* r, double* jacobian) {
-        const CurveProblem& curve = *static_cast<const CurveProblem*>(of);
-        if (!jacobian) return curve.evaluate(x, r, nullptr);
-        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows(curve.residuals, curve.parameters);
-        curve.evaluate(x, r, rows.data());
+struct TinyCurve {
+    using Scalar = double;
+    enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Eigen::Dynamic };
+    const CurveProblem* problem;
+
+    int NumResiduals() const { return problem->residuals; }
+    int NumParameters() const { return problem->parameters; }
+    bool operator()(const double* p, double* r, double* jacobian) const {  // column by column
+        if (!jacobian) return problem->evaluate(p, r, nullptr), true;
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows(problem->residuals,
+                                                                                    problem->parameters);
+        problem->evaluate(p, r, rows.data());
         Eigen::Map<Eigen::MatrixXd>(jacobian, rows.rows(), rows.cols()) = rows;
-    };
-    constexpr double exact = 1e-16;
-    CurveEnd out{.parameters = problem.start};
-    const TinyEnd<double> end =
-        tiny_solver<double>(problem.parameters)
-            ->solve({problem.residuals, &problem, evaluate}, {iterations, exact, exact, exact}, out.parameters.data());
-    out.converged = !end.spent;
-    out.iterations = end.iterations;
-    return out;
+        return true;
+    }
+};
+
+CurveEnd by_tiny_solver(const CurveProblem& problem, int iterations) {
+    ceres::TinySolver<TinyCurve> solver;
+    solver.options.max_num_iterations = iterations;
+    solver.options.gradient_tolerance = solver.options.parameter_tolerance = solver.options.function_tolerance = 1e-16;
+    solver.options.cost_threshold = 0;
+    Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(problem.start.data(), problem.parameters);
+    const auto& summary = solver.Solve(TinyCurve{&problem}, &x);
+    return {{x.data(), x.data() + x.size()},
+            summary.status != ceres::TinySolver<TinyCurve>::HIT_MAX_ITERATIONS,
+            summary.iterations};
 }
 
 struct EigenCurve {

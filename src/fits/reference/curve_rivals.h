@@ -31,7 +31,7 @@ struct CurveRival {
 /// NLopt, each as exact as its tolerances can be set.
 const std::vector<CurveRival>& curve_rivals();
 
-/// TinySolver for one problem after another (reference/tiny_solver.h).
+/// TinySolver for one problem after another of a size that is known when it is compiled, as it is fastest.
 class TinyCurveSolver {
 public:
     virtual ~TinyCurveSolver() = default;
@@ -43,6 +43,7 @@ struct TinyCurveOptions {
     int iterations = 100;
     double step = 1e-8;  ///< ends where a step is shorter than so much of the parameters
 };
+/// parameters: 3, 5, 6 or 9.
 std::unique_ptr<TinyCurveSolver> tiny_curve_solver(int parameters, const TinyCurveOptions& options);
 
 }  // namespace radiafit::fits

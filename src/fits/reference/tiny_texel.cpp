@@ -1,7 +1,8 @@
 #include "reference/tiny_texel.h"
 
+#include <ceres/tiny_solver.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
@@ -9,28 +10,29 @@
 #include "base/pack.h"
 #include "model/texel_texts.h"
 #include "reference/texel_residuals.h"
-#include "reference/tiny_solver.h"
 
 namespace radiafit::fits {
 namespace {
 
-/// Residuals of a texel's samples. Beyond a bound the model is that at the bound.
+/// As ceres::TinySolver asks for it. Beyond a bound the model is that at the bound.
 template <class Text>
 class TinyFunction {
 public:
     using Scalar = double;
     using Model = TexelLocal<Text>;
+    enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Model::parameters };
 
     void take(TexelSamples<Text> samples) { samples_ = samples; }
-    int count() const { return 3 * int(samples_.size()); }
-    void operator()(const double* x, double* residuals, double* jacobian) const {
+    int NumResiduals() const { return 3 * int(samples_.size()); }
+    bool operator()(const double* x, double* residuals, double* jacobian) const {
         typename Model::Parameters p;
         for (int i = 0; i < Model::parameters; ++i)
             p[size_t(i)] = std::clamp(x[i], Model::bounds(i)[0], Model::bounds(i)[1]);
-        const size_t rows = size_t(count());
+        const size_t rows = size_t(NumResiduals());
         texel_residuals<Text>(samples_, p, residuals, jacobian, 1, rows);
         for (size_t i = 0; jacobian && i < p.size(); ++i)
             if (p[i] != x[i]) std::fill_n(jacobian + i * rows, rows, 0.0);
+        return true;
     }
 
 private:
@@ -44,6 +46,7 @@ public:
     using Scalar = float;
     using Lanes = typename Text::template with<Pack>;
     using Model = TexelLocal<Lanes>;
+    enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = Model::parameters };
 
     void take(TexelSamples<Text> samples) {
         eights_.clear();
@@ -58,10 +61,10 @@ public:
             }
         }
     }
-    int count() const { return 3 * Pack::size * int(eights_.size()); }
-    void operator()(const float* x, float* residuals, float* jacobian) const {
+    int NumResiduals() const { return 3 * Pack::size * int(eights_.size()); }
+    bool operator()(const float* x, float* residuals, float* jacobian) const {
         constexpr size_t B = size_t(Model::basis), Q = size_t(Model::shape), N = size_t(Model::parameters);
-        const size_t rows = size_t(count());
+        const size_t rows = size_t(NumResiduals());
         typename Model::Parameters p;
         for (size_t i = 0; i < N; ++i)
             p[i] = Pack(std::clamp(x[i], float(Model::bounds(int(i))[0]), float(Model::bounds(int(i))[1])));
@@ -88,6 +91,7 @@ public:
         }
         for (size_t i = 0; jacobian && i < N; ++i)
             if (p[i][0] != x[i]) std::fill_n(jacobian - rows + i * rows, rows, 0.0f);
+        return true;
     }
 
 private:
@@ -111,34 +115,31 @@ private:
     CeresTexelOutcome<Text> solve_some(TexelSamples<Text> samples,
                                        const typename TexelLocal<Text>::Parameters& start) override {
         function_.take(samples);
-        std::array<Scalar, TexelLocal<Text>::parameters> x;
-        std::ranges::transform(start, x.begin(), [](double number) { return Scalar(number); });
-        residuals_.resize(size_t(function_.count()));
+        typename ceres::TinySolver<Function>::Parameters x;
+        for (size_t i = 0; i < start.size(); ++i) x[Eigen::Index(i)] = Scalar(start[i]);
+        residuals_.resize(size_t(function_.NumResiduals()));
         function_(x.data(), residuals_.data(), nullptr);
         Scalar cost = 0;
         for (const Scalar r : residuals_) cost += r * r / 2;
-        const TinyProblem<Scalar> problem{function_.count(), &function_,
-                                          [](const void* of, const Scalar* at, Scalar* r, Scalar* jacobian) {
-                                              (*static_cast<const Function*>(of))(at, r, jacobian);
-                                          }};
-        const TinyEnd<Scalar> end = solver_->solve(problem,
-                                                   {.iterations = options_.iterations,
-                                                    .gradient_tolerance = Scalar(1e-14),
-                                                    .step_tolerance = Scalar(1e-12),
-                                                    .cost_tolerance = Scalar(options_.tolerance) * cost,  // absolute
-                                                    .initial_radius = Scalar(options_.initial_radius)},
-                                                   x.data());
-        if (!std::isfinite(end.cost)) return {start, double(cost), end.iterations, Status::not_finite};
+        solver_.options.max_num_iterations = options_.iterations;
+        solver_.options.function_tolerance = Scalar(options_.tolerance) * cost;  // TinySolver's is absolute
+        solver_.options.cost_threshold = 0;
+        solver_.options.gradient_tolerance = Scalar(1e-14);
+        solver_.options.parameter_tolerance = Scalar(1e-12);
+        solver_.options.initial_trust_region_radius = Scalar(options_.initial_radius);
+        const auto& summary = solver_.Solve(function_, &x);
+        if (!std::isfinite(summary.final_cost)) return {start, double(cost), summary.iterations, Status::not_finite};
         typename TexelLocal<Text>::Parameters p;
         for (size_t i = 0; i < p.size(); ++i)
-            p[i] = std::clamp(double(x[i]), TexelLocal<Text>::bounds(int(i))[0], TexelLocal<Text>::bounds(int(i))[1]);
-        return {p, double(end.cost), end.iterations,
-                end.iterations < options_.iterations ? Status::stationary : Status::max_iterations};
+            p[i] = std::clamp(double(x[Eigen::Index(i)]), TexelLocal<Text>::bounds(int(i))[0],
+                              TexelLocal<Text>::bounds(int(i))[1]);
+        return {p, double(summary.final_cost), summary.iterations,
+                summary.iterations < options_.iterations ? Status::stationary : Status::max_iterations};
     }
 
     CeresTexelOptions options_;
     Function function_;
-    std::unique_ptr<TinySolver<Scalar>> solver_ = tiny_solver<Scalar>(TexelLocal<Text>::parameters);
+    ceres::TinySolver<Function> solver_;
     std::vector<Scalar> residuals_;
 };
 

@@ -158,8 +158,8 @@ void solve_blocks(const SolveCommand& command, const Record& record, const std::
         return files.bytes(first, count) + count * solution_bytes(note);
     };
     const uint64_t kept = command.checkpoint_s > 0 ? 2 : 1, disk = kept * range.count * solution_bytes(note);
-    uint64_t block = range.count > 0 ? bytes(range.first + range.count / 2, 1) : 0;
-    block = std::max(block, std::min(command.memory, bytes(range.first, range.count)));
+    const uint64_t all = bytes(range.first, range.count), one = all / std::max<size_t>(1, range.count);  // on average
+    const uint64_t block = std::max(one, std::min(command.memory, all));
     announce_needs("solve", {files.held_bytes() + block + program_bytes, disk}, command.out, command.force);
     const std::vector<Block> blocks = blocks_of(range, command.memory, bytes);
     SolutionFolder<real> folder(command.out, note);

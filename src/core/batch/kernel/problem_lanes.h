@@ -114,18 +114,17 @@ private:
 
     // Moves to the trial where it is better; elsewhere the damping grows. Returns lanes whose start is not finite.
     Mask accept(const Sums& trial) {
-        Mask& whole = whole_;
-        whole = is_finite(trial.error) & is_finite(samples_.squares());
+        whole_ = is_finite(trial.error) & is_finite(samples_.squares());
         for (int i = 0; i < P; ++i)
-            whole &= fixed_[i] | (is_finite(trial.gradient[i]) & is_finite(trial.matrix[place_below(i, i)]));
-        better_ = occupied_ & (fresh_ | (whole & (trial.error < sums_.error + allowance_)));
+            whole_ &= fixed_[i] | (is_finite(trial.gradient[i]) & is_finite(trial.matrix[place_below(i, i)]));
+        better_ = occupied_ & (fresh_ | (whole_ & (trial.error < sums_.error + allowance_)));
         const number x = number(2) * (sums_.error - trial.error) / promised_ - number(1);
         const number factor = min(max(number(1) - x * x * x, number(1.0 / 3)), number(2));
         const number moved = max(damping_ * number::select(better_, factor, growth_), number(1e-20));
         damping_ = number::select(fresh_, damping_, moved);
         growth_ = number::select(better_, number(2), growth_ * number(2));
         steps_ += number::select(occupied_ & ~fresh_, number(1), number(0));
-        const Mask lost = fresh_ & ~whole;
+        const Mask lost = fresh_ & ~whole_;
         fresh_ = Mask{};
         const auto take = [this](number& to, const number& from) { to = number::select(better_, from, to); };
         take(sums_.error, trial.error);
