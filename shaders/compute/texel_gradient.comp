@@ -29,21 +29,22 @@ void main() {
         float squared = SAMPLE_WEIGHTED(s, dot(r, r));
         error += LOSS_VALUE(squared);
         r = SAMPLE_WEIGHTED(s, LOSS_WEIGHTED(squared, r));
-        float columns[JACOBIAN_COLUMNS];
+        float square[JACOBIAN_COLUMNS];
         for (int k = 0; k < BASIS_COUNT; ++k) {
-            columns[k] = b.x[k];
+            square[k] = b.x[k] * b.x[k];
             slope[k] += r * b.x[k];
         }
 #if SHAPE_COUNT > 0
         Slope of_shape = shape_slope(p.shape, s.terms);
-        float along = dot(r, p.a[BASIS_COUNT - 1]);
-        for (int j = 0; j < SHAPE_COUNT; ++j) {
-            columns[BASIS_COUNT + j] = of_shape.x[j];
-            slope[BASIS_COUNT + j / 3][j % 3] += along * of_shape.x[j];
+        for (int l = 0; l < SHAPED_COUNT; ++l) {
+            float along = dot(r, p.a[PLAIN_COUNT + l]);
+            for (int j = 0; j < SHAPE_COUNT; ++j)
+                slope[BASIS_COUNT + j / 3][j % 3] += along * of_shape.x[l * SHAPE_COUNT + j];
         }
+        for (int j = 0; j < SHAPE_COUNT; ++j) square[BASIS_COUNT + j] = shape_square(p, of_shape, j);
 #endif
 #ifdef DIAGONAL
-        for (int j = 0; j < JACOBIAN_COLUMNS; ++j) squares[j] += SAMPLE_WEIGHTED(s, LOSS_WEIGHTED(squared, columns[j] * columns[j]));
+        for (int j = 0; j < JACOBIAN_COLUMNS; ++j) squares[j] += SAMPLE_WEIGHTED(s, LOSS_WEIGHTED(squared, square[j]));
 #endif
     }
     float inverse = all.count > 0u ? 1.0 / float(all.count) : 0.0;
@@ -51,7 +52,7 @@ void main() {
     for (int map = 0; map < MAP_COUNT; ++map) {
         vec3 x = texelFetch(trial, int(element_index(map))).rgb;
         penalty += bound_error(map, x);
-        gradient[element_index(map)] = vec4(slope[map] * inverse + bound_slope(map, x), 0.0);
+        gradient[element_index(map)] = vec4(where_free(map, slope[map] * inverse + bound_slope(map, x)), 0.0);
     }
     problems[texel_index()].x = 0.5 * inverse * error + penalty.r + penalty.g + penalty.b;
 #ifdef DIAGONAL
@@ -60,7 +61,7 @@ void main() {
     for (int k = 0; k < BASIS_COUNT; ++k) entries[k] = vec3(squares[k]);
     for (int j = 0; j < SHAPE_MAPS; ++j)
         for (int c = 0; c < 3; ++c)
-            entries[BASIS_COUNT + j][c] = 3 * j + c < SHAPE_COUNT ? dot(last, last) * squares[min(BASIS_COUNT + 3 * j + c, JACOBIAN_COLUMNS - 1)] : 0.0;
+            entries[BASIS_COUNT + j][c] = 3 * j + c < SHAPE_COUNT ? shape_factor(last) * squares[min(BASIS_COUNT + 3 * j + c, JACOBIAN_COLUMNS - 1)] : 0.0;
     for (int map = 0; map < MAP_COUNT; ++map) largest = max(largest, max(entries[map].r, max(entries[map].g, entries[map].b)));
     for (int map = 0; map < MAP_COUNT; ++map)
         fresh[element_index(map)] =

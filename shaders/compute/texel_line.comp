@@ -18,13 +18,8 @@ void main() {
     for (uint i = 0u; i < all.count; ++i) {
         Sample s = sample_at(all, i);
         Basis value = basis(p.shape, s.terms);
-        vec3 r = value_of(p, value) - s.target, a = vec3(0.0), b = vec3(0.0);
-        for (int k = 0; k < BASIS_COUNT; ++k) a += d.a[k] * value.x[k];
-#if SHAPE_COUNT > 0
-        vec2 along = shape_bend(p.shape, d.shape, s.terms);
-        a += p.a[BASIS_COUNT - 1] * along.x;
-        b = 2.0 * d.a[BASIS_COUNT - 1] * along.x + p.a[BASIS_COUNT - 1] * along.y;
-#endif
+        vec3 r = value_of(p, value) - s.target, a, b;
+        bend_of(p, d, value, s.terms, a, b);
         float squares = dot(a, a), squared = SAMPLE_WEIGHTED(s, dot(r, r));
         sum += SAMPLE_WEIGHTED(s, LOSS_WEIGHTED(squared, vec2(squares, squares + dot(r, b))));
     }

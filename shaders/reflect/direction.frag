@@ -2,8 +2,8 @@
 // variants: MODEL=* GRID=-,1 KEPT=-,1 ONE_CAMERA=-,1 COLOUR=8,16 DIAGONAL=-,1
 // variants: MODEL=* LOSS=* WEIGHTED=1 KEPT=-,1 DIAGONAL=-,1
 // Sums over samples of each texel, blended: the gradient, laid out as the parameters are, with the sum of r^2 in the
-// first map's alpha; and with DIAGONAL the squares of the Jacobian's columns that the channels share, four a target, those
-// of the shape without the last coefficients' factor.
+// first map's alpha; and with DIAGONAL the squares of the Jacobian's columns, four a target, those of the shape without
+// shape_factor().
 #include "reflect/parameters.glsl"
 #include "reflect/observe.glsl"
 #define element float
@@ -23,22 +23,25 @@ void add(Sample s, Parameters p, inout vec4 results[RESULTS]) {
     float squared = SAMPLE_WEIGHTED(s, dot(r, r));
     results[0].a += LOSS_VALUE(squared);
     r = SAMPLE_WEIGHTED(s, LOSS_WEIGHTED(squared, r));
-    float columns[BASIS_COUNT + SHAPE_COUNT];
+    float squares[BASIS_COUNT + SHAPE_COUNT];
     for (int k = 0; k < BASIS_COUNT; ++k) {
-        columns[k] = s.counts ? b.x[k] : 0.0;
-        results[k].rgb += r * columns[k];
+        float column = s.counts ? b.x[k] : 0.0;
+        squares[k] = column * column;
+        results[k].rgb += r * column;
     }
 #if SHAPE_COUNT > 0
     Slope slope = shape_slope(p.shape, s.terms);
-    float along = dot(r, p.a[BASIS_COUNT - 1]);
-    for (int i = 0; i < SHAPE_COUNT; ++i) {
-        columns[BASIS_COUNT + i] = s.counts ? slope.x[i] : 0.0;
-        results[BASIS_COUNT + i / 3][i % 3] += along * columns[BASIS_COUNT + i];
+    for (int i = 0; i < SHAPE_COUNT * SHAPED_COUNT; ++i) slope.x[i] = s.counts ? slope.x[i] : 0.0;
+    for (int l = 0; l < SHAPED_COUNT; ++l) {
+        float along = dot(r, p.a[PLAIN_COUNT + l]);
+        for (int i = 0; i < SHAPE_COUNT; ++i)
+            results[BASIS_COUNT + i / 3][i % 3] += along * slope.x[l * SHAPE_COUNT + i];
     }
+    for (int i = 0; i < SHAPE_COUNT; ++i) squares[BASIS_COUNT + i] = shape_square(p, slope, i);
 #endif
 #ifdef DIAGONAL
     for (int i = 0; i < BASIS_COUNT + SHAPE_COUNT; ++i)
-        results[MAP_COUNT + i / 4][i % 4] += SAMPLE_WEIGHTED(s, LOSS_WEIGHTED(squared, columns[i] * columns[i]));
+        results[MAP_COUNT + i / 4][i % 4] += SAMPLE_WEIGHTED(s, LOSS_WEIGHTED(squared, squares[i]));
 #endif
 }
 

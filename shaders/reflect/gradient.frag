@@ -12,5 +12,5 @@ void main() {
     ivec2 place = ivec2(gl_FragCoord.xy);
     ivec3 at = ivec3(place, map);
     vec3 data = texelFetch(sample_sums, at, 0).rgb * texelFetch(inverse_samples, place, 0).r;
-    gradient = store(data + bound_slope(map, load(texelFetch(parameters, at, 0))));
+    gradient = store(where_free(map, data + bound_slope(map, load(texelFetch(parameters, at, 0)))));
 }

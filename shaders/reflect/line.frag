@@ -15,13 +15,8 @@ uniform MAPS direction;
 #define ADD(s) add(s, p, d, results)
 void add(Sample s, Parameters p, Parameters d, inout vec4 results[RESULTS]) {
     Basis value = basis(p.shape, s.terms);
-    vec3 r = residual_of(p, value, s), a = vec3(0.0), b = vec3(0.0);
-    for (int k = 0; k < BASIS_COUNT; ++k) a += d.a[k] * value.x[k];
-#if SHAPE_COUNT > 0
-    vec2 along = shape_bend(p.shape, d.shape, s.terms);
-    a += p.a[BASIS_COUNT - 1] * along.x;
-    b = 2.0 * d.a[BASIS_COUNT - 1] * along.x + p.a[BASIS_COUNT - 1] * along.y;
-#endif
+    vec3 r = residual_of(p, value, s), a, b;
+    bend_of(p, d, value, s.terms, a, b);
     a = s.counts ? a : vec3(0.0);
     b = s.counts ? b : vec3(0.0);
     float squares = dot(a, a), squared = SAMPLE_WEIGHTED(s, dot(r, r));

@@ -20,7 +20,7 @@ void main() {
     for (int k = 0; k < BASIS_COUNT; ++k) entries[k] = vec3(sum_of(k));
     for (int j = 0; j < SHAPE_MAPS; ++j)
         for (int c = 0; c < 3; ++c)
-            entries[BASIS_COUNT + j][c] = 3 * j + c < SHAPE_COUNT ? dot(last, last) * sum_of(BASIS_COUNT + 3 * j + c) : 0.0;
+            entries[BASIS_COUNT + j][c] = 3 * j + c < SHAPE_COUNT ? shape_factor(last) * sum_of(BASIS_COUNT + 3 * j + c) : 0.0;
     for (int i = 0; i < MAP_COUNT; ++i)
         largest = max(largest, max(entries[i].r, max(entries[i].g, entries[i].b)));
     float inverse = texelFetch(inverse_samples, place, 0).r;

@@ -3,7 +3,7 @@
 // variants: MODEL=* WEIGHTED=1 KEPT=-,1 CANDIDATES=1
 // Sums over samples of each texel, blended: what linear least squares in the coefficients needs for CANDIDATES shapes,
 // numbers FIRST and those behind it, four a target. In their order (C++: fragment/texel_start.h): products of the basis functions
-// that no shape enters, in pairs and with the target; for each candidate those of the last one with all and the target.
+// that no shape enters, in pairs and with the target; for each candidate those of the others with all before and the target.
 #include "reflect/parameters.glsl"
 #include "reflect/observe.glsl"
 #ifndef FIRST
@@ -11,8 +11,9 @@
 #define RESULTS 1
 #endif
 #include "common/output.glsl"
-#define PLAIN (BASIS_COUNT - 1)
-#define NUMBERS (PLAIN * (PLAIN + 1) / 2 + 3 * PLAIN + CANDIDATES * (BASIS_COUNT + 3))
+#define NUMBERS_OF(functions) ((functions) * ((functions) + 1) / 2 + 3 * (functions))
+#define EACH_CANDIDATE (NUMBERS_OF(BASIS_COUNT) - NUMBERS_OF(PLAIN_COUNT))
+#define NUMBERS (NUMBERS_OF(PLAIN_COUNT) + CANDIDATES * EACH_CANDIDATE)
 #if SHAPE_COUNT > 0
 uniform vec4 shapes[CANDIDATES * SHAPE_MAPS];  // three numbers each
 #endif
@@ -37,8 +38,8 @@ void add(Sample s, inout float sums[NUMBERS]) {
         Basis b = basis(shape, s.terms);
         for (int k = 0; k < BASIS_COUNT; ++k) b.x[k] = s.counts ? b.x[k] : 0.0;
         if (candidate == 0)
-            for (int k = 0; k < PLAIN; ++k) ADD_PRODUCTS(k, k * (k + 1) / 2 + 3 * k)
-        ADD_PRODUCTS(PLAIN, PLAIN * (PLAIN + 1) / 2 + 3 * PLAIN + candidate * (BASIS_COUNT + 3))
+            for (int k = 0; k < PLAIN_COUNT; ++k) ADD_PRODUCTS(k, NUMBERS_OF(k))
+        for (int k = PLAIN_COUNT; k < BASIS_COUNT; ++k) ADD_PRODUCTS(k, NUMBERS_OF(k) + candidate * EACH_CANDIDATE)
     }
 }
 

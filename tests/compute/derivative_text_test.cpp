@@ -94,7 +94,7 @@ std::vector<double> in_double(const std::vector<float>& points) {
             for (double& x : numbers->x) x = double(*at++);
         for (double& x : t.x) x = double(*at++);
         const auto slope = Model::shape_slope(s, t);
-        const auto along = Model::shape_bend(s, d, t);
+        const auto along = Model::shape_bends(s, d, t)[0];
         out.insert(out.end(), std::begin(slope.x), std::end(slope.x));
         out.insert(out.end(), {along.x, along.y});
     }
@@ -155,7 +155,7 @@ TEST(MadeDerivatives, OfLafortuneAreThoseByHand) {
 }
 
 TEST(MadeDerivatives, OfEveryConstructOfTheDialect) {
-    std::ifstream file(RADIAFIT_TEST_TEXT);
+    std::ifstream file(std::string(RADIAFIT_TEST_TEXTS) + "/every_construct.glsl");
     std::ostringstream text;
     text << file.rdbuf();
     expect_same_on_device<texel_text::every_construct<double>>("every_construct", text.str());

@@ -8,6 +8,7 @@
 #include "failing_gl.h"
 #include "optim/optimizer.h"
 #include "samples/grid_distributor.h"
+#include "several_shapes.h"
 #include "shared_context.h"
 #include "texel_fragment_scene.h"
 
@@ -115,6 +116,7 @@ TEST_P(TexelComputeAgreement, WithTheReference) {
 #define AGREE(NAME) \
     if (c.model == #NAME) return agree<texel_text::NAME<double>>(c);
     RADIAFIT_TEXEL_MODELS(AGREE)
+    AGREE(several_shapes)
 #undef AGREE
     FAIL() << c.model;
 }
@@ -129,6 +131,7 @@ std::vector<Case> texel_cases() {
                             .mode = grid ? Mode::paper : Mode::modern,
                             .clip_above = 0.9f,
                             .shadow_below = 0.4f});
+    list.push_back({.name = "several_shapes", .model = several_shapes().name});
     list.push_back({.name = "huber", .scene = {.light = Light::Kind::near}, .loss = {LossKind::huber, 0.3f}});
     list.push_back({.name = "cauchy", .scene = {.grid = true}, .loss = {LossKind::cauchy, 0.3f}});
     list.push_back({.name = "facing", .loss = {.weights = SampleWeights::facing}});

@@ -12,8 +12,10 @@
 #include "failing_gl.h"
 #include "fragment/texel_engine.h"
 #include "fragment/texel_plan.h"
+#include "model/coefficient_solver.h"
 #include "model/small_solve.h"
 #include "optim/optimizer.h"
+#include "several_shapes.h"
 #include "shared_context.h"
 #include "synthetic/synthetic.h"
 #include "texel_fragment_scene.h"
@@ -163,10 +165,10 @@ void agree(const Case& c) {
             const SmallFactor<double, B> factor(a, 1e-6);
             least_pivot = factor.smallest();
             double sizes = 0;  // of the solutions, squared
-            for (const auto& slope : g) {
-                const auto found = bounded_step<double, B>(a, factor, slope, {}, Text::coefficient_bounds);
+            for (size_t c = 0; c < 3; ++c) {
+                const auto found = CoefficientSolver<Model, double>(a, 1e-6, SmallPivots::raised).from_zero(c, g[c]);
                 change += found.change;
-                for (size_t k = 0; k < size_t(B); ++k) sizes += found.step[k] * found.step[k];
+                for (size_t k = 0; k < size_t(B); ++k) sizes += found.coefficients[k] * found.coefficients[k];
             }
             lowest = std::min(lowest, squares + change);
             if (Model::shape > 0) return;
@@ -210,6 +212,7 @@ TEST_P(TexelFragmentAgreement, WithTheReference) {
 #define AGREE(NAME) \
     if (c.model == #NAME) return agree<texel_text::NAME<double>>(c);
     RADIAFIT_TEXEL_MODELS(AGREE)
+    AGREE(several_shapes)
 #undef AGREE
     FAIL() << c.model;
 }
@@ -240,6 +243,7 @@ std::vector<Case> texel_cases() {
                                     .passes = passes,
                                     .images_per_pass = 3});
         }
+        list.push_back({.name = prefix + "_several_shapes", .model = several_shapes().name, .passes = passes});
         list.push_back({.name = prefix + "_huber",
                         .model = "lafortune",
                         .scene = {.light = Light::Kind::near},

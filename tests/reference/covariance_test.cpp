@@ -67,7 +67,7 @@ TEST(Covariance, AHeldParameterLeavesTheOthersAlone) {
     Rng rng(3);
     Eigen::MatrixXd J = random_matrix(rng, 30, 4);
     J.col(3) = J.col(0) + J.col(1);  // a gauge
-    const Covariance covariance = covariance_of(J.transpose() * J, 1, 1);
+    const Covariance covariance = covariance_of(J.transpose() * J, 1, {1});
     EXPECT_EQ(covariance.deficient, 0);
     EXPECT_EQ(covariance.deviation[1], 0);
     for (const size_t i : {0u, 2u, 3u}) EXPECT_TRUE(std::isfinite(covariance.deviation[i])) << i;
@@ -115,7 +115,7 @@ TEST(TexelErrorBars, ColumnsAreTheDerivativesOfEveryModel) {
         const std::vector<float> p = some_parameters(rng, *model);
         for (int trial = 0; trial < 20; ++trial) {
             const Vec3f u = direction(rng), v = direction(rng);
-            std::vector<double> columns(size_t(model->basis + model->shape));
+            std::vector<double> columns(size_t(model->columns()));
             model->columns(p, u, v, columns);
             for (size_t i = 0; i < p.size(); ++i) {
                 constexpr float step = 1e-2f;

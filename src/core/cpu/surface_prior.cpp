@@ -56,8 +56,10 @@ private:
     }
     /// A lobe's shape means nothing where it has no height.
     double height(uint32_t t) const {
-        const size_t last = 3 * size_t(model_.basis - 1);
-        return double(parameter(t, last)) + double(parameter(t, last + 1)) + double(parameter(t, last + 2));
+        double sum = 0;
+        for (size_t i = 3 * size_t(model_.basis - std::max(model_.shaped, 1)); !of_shape(i); ++i)
+            sum += double(parameter(t, i));
+        return sum;
     }
     bool of_shape(size_t i) const { return i >= 3 * size_t(model_.basis); }
     /// The well-determined texels, to take medians of; for shapes, the half of them with the highest lobes.

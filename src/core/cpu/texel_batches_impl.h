@@ -65,25 +65,35 @@ void TexelBatches<Text>::direction(size_t block, const Pack* x, Pack* g, Pack* d
     WidePack error = wide_scale * sums.error;
     for (size_t k = 0; k < B; ++k)
         for (size_t c = 0; c < 3; ++c) g[3 * k + c] = scale * narrow(sums.linear[k][c]);
-    for (size_t i = 0; i < Q; ++i) {
-        WidePack slope(0.0);
-        for (size_t c = 0; c < 3; ++c) slope += widen(p[3 * (B - 1) + c]) * sums.linear[B + i][c];
-        g[3 * B + i] = scale * narrow(slope);
+    std::array<WidePack, Q> slopes{};
+    for (size_t i = 0; i < size_t(Model::slopes); ++i) {
+        WidePack& slope = slopes[size_t(Model::slope_shape(int(i)))];
+        for (size_t c = 0; c < 3; ++c)
+            slope += widen(p[3 * size_t(Model::slope_basis(int(i))) + c]) * sums.linear[B + i][c];
     }
+    for (size_t i = 0; i < Q; ++i) g[3 * B + i] = scale * narrow(slopes[i]);
     for (size_t i = 0; i < N; ++i) {
         if (!Model::bounded(int(i))) continue;
         const auto [lowest, highest] = Model::bounds(int(i));
         const Pack low{float(lowest)}, high{float(highest)}, mu(mu_);
         error += widen(ObjectiveText<Pack>::bound_error(p[i], low, high, mu, mode_ == Mode::paper));
         g[i] += ObjectiveText<Pack>::bound_slope(p[i], low, high, mu, mode_ == Mode::paper);
+        if (Model::held(int(i))) g[i] = Pack{};
     }
     for (int lane = 0; lane < lanes; ++lane) errors[lane] = error[lane];
     if (!diagonal) return;
     for (size_t k = 0; k < B; ++k)
         for (size_t c = 0; c < 3; ++c) diagonal[3 * k + c] = scale * narrow(sums.shared[k][k]);
-    Pack lobe{};
-    for (size_t c = 0; c < 3; ++c) lobe += p[3 * (B - 1) + c] * p[3 * (B - 1) + c];
-    for (size_t i = 0; i < Q; ++i) diagonal[3 * B + i] = scale * lobe * narrow(sums.shared[B + i][B + i]);
+    for (size_t i = 0; i < Q; ++i) diagonal[3 * B + i] = Pack{};
+    for (size_t i = 0; i < size_t(Model::slopes); ++i)
+        for (size_t j = 0; j < size_t(Model::slopes); ++j) {
+            const size_t number = size_t(Model::slope_shape(int(i)));
+            if (size_t(Model::slope_shape(int(j))) != number) continue;
+            const size_t one = 3 * size_t(Model::slope_basis(int(i))), other = 3 * size_t(Model::slope_basis(int(j)));
+            Pack lobe{};
+            for (size_t c = 0; c < 3; ++c) lobe += p[one + c] * p[other + c];
+            diagonal[3 * B + number] += scale * lobe * narrow(sums.shared[B + std::max(i, j)][B + std::min(i, j)]);
+        }
     Pack largest{};
     for (size_t i = 0; i < N; ++i) largest = max(largest, diagonal[i]);
     for (size_t i = 0; i < N; ++i) diagonal[i] = ObjectiveText<Pack>::preconditioner(diagonal[i], largest, 1e-30f);

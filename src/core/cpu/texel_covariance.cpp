@@ -8,16 +8,20 @@
 namespace radiafit {
 namespace {
 
-/// Row c of the Jacobian from the columns that the channels share; each channel's [parameters].
+/// Row c of the Jacobian from the columns that the channels share; each channel's [parameters]. 0 at what is held.
 void rows_of(const TexelModel& model, std::span<const float> p, std::span<const double> columns,
              std::array<Eigen::VectorXd, 3>& rows) {
-    const size_t basis = size_t(model.basis);
+    const size_t basis = size_t(model.basis), shaped = size_t(model.shaped);
     for (size_t c = 0; c < 3; ++c) {
         Eigen::VectorXd& row = rows[c];
         row.setZero(model.parameters);
         for (size_t k = 0; k < basis; ++k) row[Eigen::Index(3 * k + c)] = columns[k];
         for (size_t i = 0; i < size_t(model.shape); ++i)
-            row[Eigen::Index(3 * basis + i)] = double(p[3 * (basis - 1) + c]) * columns[basis + i];
+            for (size_t l = 0; l < shaped; ++l)
+                row[Eigen::Index(3 * basis + i)] +=
+                    double(p[3 * (basis - shaped + l) + c]) * columns[basis + l * size_t(model.shape) + i];
+        for (int i = 0; i < model.parameters; ++i)
+            if (model.held(i)) row[i] = 0;
     }
 }
 
@@ -48,7 +52,7 @@ TexelErrorBars texel_error_bars(const TexelModel& model, std::span<const float> 
     const Eigen::Index n = model.parameters;
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
     std::vector<Residual> residuals;
-    std::vector<double> columns(size_t(model.basis + model.shape));
+    std::vector<double> columns(size_t(model.columns()));
     std::array<Eigen::VectorXd, 3> rows;
     TexelErrorBars out;
     double squares = 0, slope = 0;
@@ -73,8 +77,10 @@ TexelErrorBars texel_error_bars(const TexelModel& model, std::span<const float> 
             residuals.push_back({rows[c], weight, weight * influence.weight * residual[Eigen::Index(c)]});
         }
     }
-    const int held = model.held_by_gauge(p);
-    const double unknowns = model.parameters - (held >= 0), values = 3.0 * out.samples;
+    std::vector<int> held;
+    for (int i = 0; i < model.parameters; ++i)
+        if (model.held(i) || i == model.held_by_gauge(p)) held.push_back(i);
+    const double unknowns = model.parameters - double(held.size()), values = 3.0 * out.samples;
     if (values <= unknowns) {
         out.covariance = covariance_of(Eigen::MatrixXd::Zero(n, n), 0, held);
         return out;
@@ -125,7 +131,7 @@ size_t AllErrorBars::triangle_size() const {
 std::array<float, 3> AllErrorBars::of_value(uint32_t texel, std::span<const float> p, const Vec3f& u,
                                             const Vec3f& v) const {
     const size_t n = size_t(model_->parameters);
-    std::vector<double> columns(size_t(model_->basis + model_->shape));
+    std::vector<double> columns(size_t(model_->columns()));
     std::array<Eigen::VectorXd, 3> rows;
     model_->columns(p, u, v, columns);
     rows_of(*model_, p, columns, rows);

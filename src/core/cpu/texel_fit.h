@@ -98,6 +98,8 @@ private:
     template <class = Text>
     static SmallMatrix<WidePack, Q> with_gauge(const SmallVector<WidePack, Q>& s, const SmallMatrix<WidePack, Q>& of);
     static WidePack least_pivot(const Point& p, const Prior* prior);
+    template <class = Text>
+    static WidePack least_pivot_of_all(const Point& p, const SmallMatrix<WidePack, C>& shared);
     static Parameters parameters_of(const Point& p, int lane, bool fitted);
     static typename Text::Shape shape_of(const SmallVector<WidePack, Q>& s) {
         typename Text::Shape out{};

@@ -6,6 +6,7 @@
 #include "base/instructions.h"
 #include "cpu/lobe_starts.h"
 #include "cpu/texel_fit.h"
+#include "model/coefficient_solver.h"
 
 /// The definitions of TexelFit: for the file that instantiates it for the models that there are, and for tests of
 /// others.
@@ -72,16 +73,17 @@ void TexelFit<Text>::add_prior(const Prior& prior, Point& p) {
 template <class Text>
 template <class T>
 void TexelFit<Text>::add_prior(const Prior& prior, StartSums<T>& sums) {
-    constexpr size_t last = size_t(B) - 1;
-    for (size_t k = 0; k < last; ++k) {
+    constexpr size_t plain = StartSums<T>::P;
+    for (size_t k = 0; k < size_t(B); ++k) {
         const WidePack weight(prior.weight[k]);
-        sums.plain[k][k] += weight;
-        for (size_t c = 0; c < 3; ++c) sums.target[k][c] += weight * prior.mean[c][k];
-    }
-    for (size_t i = 0; i < size_t(Text::start_count); ++i) {
-        const WidePack weight(prior.weight[last]);
-        sums.lobe[i][last] += weight;
-        for (size_t c = 0; c < 3; ++c) sums.lobe_target[i][c] += weight * prior.mean[c][last];
+        if (k < plain) {
+            sums.plain[k][k] += weight;
+            for (size_t c = 0; c < 3; ++c) sums.target[k][c] += weight * prior.mean[c][k];
+        }
+        for (size_t i = 0; k >= plain && i < size_t(Text::start_count); ++i) {
+            sums.lobe[i][k - plain][k] += weight;
+            for (size_t c = 0; c < 3; ++c) sums.lobe_target[i][k - plain][c] += weight * prior.mean[c][k];
+        }
     }
 }
 
@@ -102,11 +104,12 @@ void TexelFit<Text>::evaluate(const Batch& batch, Point& p, const Prior* prior) 
     if (prior) add_prior(*prior, p);
     const SmallMatrix<WidePack, B> a = detail::leading<B, C>(p.sums.shared);
     // a plain linear fit has no bounds that would keep coefficients small where samples don't determine them
-    const SmallFactor<WidePack, B> factor(a, detail::noise, Q > 0 ? SmallPivots::raised : SmallPivots::left_out);
+    const CoefficientSolver<Model, WidePack> solver(a, detail::noise,
+                                                    Q > 0 ? SmallPivots::raised : SmallPivots::left_out);
     for (size_t c = 0; c < 3; ++c) {
         SmallVector<WidePack, B> g;
         for (size_t k = 0; k < size_t(B); ++k) g[k] = p.sums.linear[k][c];
-        const auto best = bounded_step<WidePack, B>(a, factor, g, p.a[c], Text::coefficient_bounds);
+        const auto best = solver.step(c, p.a[c], g);
         for (size_t k = 0; k < size_t(B); ++k) {
             p.a[c][k] += best.step[k];
             for (size_t i = 0; i < size_t(C); ++i)
@@ -128,21 +131,26 @@ auto TexelFit<Text>::along_shape(const Point& p, const Prior* prior) -> Quadrati
         SmallMatrix<WidePack, B> a = detail::leading<B, C>(shared);
         Mask free[size_t(B)];
         for (size_t k = 0; k < size_t(B); ++k) {
-            free[k] = (p.a[c][k] > WidePack(Text::coefficient_bounds[k][0])) &
-                      (p.a[c][k] < WidePack(Text::coefficient_bounds[k][1]));
+            free[k] = (p.a[c][k] > WidePack(Model::channel_bounds(c)[k][0])) &
+                      (p.a[c][k] < WidePack(Model::channel_bounds(c)[k][1]));
             for (size_t j = 0; j < k; ++j) a[k][j] = WidePack::select(free[k] & free[j], a[k][j], 0.0);
         }
         const SmallFactor<WidePack, B> factor(a, detail::noise);
-        SmallVector<WidePack, B> follow[size_t(Q)];
-        const auto lobe = [&](size_t i) -> const WidePack& { return p.a[c][size_t(Model::owner(int(i)))]; };
-        for (size_t i = 0; i < size_t(Q); ++i) {
+        SmallVector<WidePack, B> follow[size_t(Model::slopes)];
+        const auto lobe = [&](size_t i) -> const WidePack& { return p.a[c][size_t(Model::slope_basis(int(i)))]; };
+        for (size_t i = 0; i < size_t(Model::slopes); ++i) {
+            const size_t row = size_t(Model::slope_shape(int(i)));
             for (size_t k = 0; k < size_t(B); ++k)
                 follow[i][k] = WidePack::select(free[k], shared[size_t(B) + i][k], 0.0);
             follow[i] = factor.forward(follow[i]);
-            for (size_t j = 0; j <= i; ++j)
-                out.curvature[i][j] +=
+            for (size_t j = 0; j <= i; ++j) {
+                const size_t column = size_t(Model::slope_shape(int(j)));
+                const WidePack product =
                     lobe(i) * lobe(j) * (shared[size_t(B) + i][size_t(B) + j] - factor.product(follow[i], follow[j]));
-            out.gradient[i] += lobe(i) * p.sums.linear[size_t(B) + i][c];
+                out.curvature[std::max(row, column)][std::min(row, column)] += product;
+                if (i != j && row == column) out.curvature[row][row] += product;  // (i, j), and (j, i)
+            }
+            out.gradient[row] += lobe(i) * p.sums.linear[size_t(B) + i][c];
         }
     }
     for (size_t i = 0; prior && i < size_t(Q); ++i) {
@@ -212,7 +220,9 @@ template <class Text>
 WidePack TexelFit<Text>::least_pivot(const Point& p, const Prior* prior) {
     SmallMatrix<WidePack, C> m = p.sums.shared;
     for (size_t k = 0; prior && k < size_t(B); ++k) m[k][k] -= WidePack(prior->weight[k]);
-    if constexpr (Q > 0) {
+    if constexpr (Model::shaped > 1 || Model::any_held()) {
+        return least_pivot_of_all(p, m);
+    } else if constexpr (Q > 0) {
         SmallMatrix<WidePack, Q> shape;
         for (size_t i = 0; i < size_t(Q); ++i)
             for (size_t j = 0; j <= i; ++j) shape[i][j] = m[size_t(B) + i][size_t(B) + j];
@@ -221,6 +231,51 @@ WidePack TexelFit<Text>::least_pivot(const Point& p, const Prior* prior) {
             for (size_t j = 0; j <= i; ++j) m[size_t(B) + i][size_t(B) + j] = shape[i][j];
     }
     return SmallFactor<WidePack, C>(m, detail::noise).smallest();
+}
+
+/// Where the channels don't share the columns: of J'J over all parameters that aren't held. shared: of the samples.
+template <class Text>
+template <class>
+WidePack TexelFit<Text>::least_pivot_of_all(const Point& p, const SmallMatrix<WidePack, C>& shared) {
+    constexpr size_t N = size_t(Model::parameters), first = size_t(3 * B);
+    SmallMatrix<WidePack, int(N)> m{};
+    // a shape is told by what its basis functions look like, even where their coefficients are 0
+    std::array<std::array<WidePack, 3>, size_t(B)> height;
+    for (size_t k = 0; k < size_t(B); ++k) {
+        WidePack squares(0.0);
+        for (size_t c = 0; c < 3; ++c) squares += p.a[c][k] * p.a[c][k];
+        for (size_t c = 0; c < 3; ++c)
+            height[k][c] =
+                WidePack::select(squares > WidePack(0.0), p.a[c][k], WidePack(Model::held(int(3 * k + c)) ? 0.0 : 1.0));
+    }
+    for (size_t c = 0; c < 3; ++c) {
+        for (size_t k = 0; k < size_t(B); ++k)
+            for (size_t j = 0; j <= k; ++j) m[3 * k + c][3 * j + c] = shared[k][j];
+        for (size_t i = 0; i < size_t(Model::slopes); ++i) {
+            const size_t of = size_t(Model::slope_basis(int(i))), row = first + size_t(Model::slope_shape(int(i)));
+            for (size_t k = 0; k < size_t(B); ++k) m[row][3 * k + c] += height[of][c] * shared[size_t(B) + i][k];
+            for (size_t j = 0; j < size_t(Model::slopes); ++j) {
+                const size_t with = size_t(Model::slope_basis(int(j)));
+                m[row][first + size_t(Model::slope_shape(int(j)))] +=
+                    height[of][c] * height[with][c] * shared[size_t(B) + std::max(i, j)][size_t(B) + std::min(i, j)];
+            }
+        }
+    }
+    for (size_t i = 0; i < N; ++i) {
+        if (!Model::held(int(i))) continue;
+        for (size_t j = 0; j < i; ++j) m[i][j] = WidePack(0.0);
+        for (size_t j = i + 1; j < N; ++j) m[j][i] = WidePack(0.0);
+        m[i][i] = WidePack(1.0);
+    }
+    if constexpr (Model::gauge_count > 0) {
+        SmallMatrix<WidePack, Q> shape;
+        for (size_t i = 0; i < size_t(Q); ++i)
+            for (size_t j = 0; j <= i; ++j) shape[i][j] = m[first + i][first + j];
+        shape = with_gauge(p.s, shape);
+        for (size_t i = 0; i < size_t(Q); ++i)
+            for (size_t j = 0; j <= i; ++j) m[first + i][first + j] = shape[i][j];
+    }
+    return SmallFactor<WidePack, int(N)>(m, detail::noise).smallest();
 }
 
 template <class Text>
@@ -304,7 +359,7 @@ template <class Text>
 auto TexelFit<Text>::parameters_of(const Point& p, int lane, bool fitted) -> Parameters {
     Parameters out{};
     for (size_t k = 0; k < size_t(B); ++k)
-        for (size_t c = 0; c < 3; ++c) out[3 * k + c] = fitted ? float(p.a[c][k][lane]) : 0.0f;
+        for (size_t c = 0; c < 3; ++c) out[3 * k + c] = float(fitted ? p.a[c][k][lane] : Model::least(k, c));
     if constexpr (Q > 0)
         for (size_t i = 0; i < size_t(Q); ++i)
             out[size_t(3 * B) + i] = fitted ? float(p.s[i][lane]) : float(detail::first_start<Text>(i));
@@ -314,6 +369,9 @@ auto TexelFit<Text>::parameters_of(const Point& p, int lane, bool fitted) -> Par
 template <class Text>
 auto TexelFit<Text>::best_start(const Batch& batch, const Prior* prior) -> Point {
     Point best{};
+    if constexpr (!Model::coefficients_may_be_zero())
+        for (size_t c = 0; c < 3; ++c)
+            for (size_t k = 0; k < size_t(B); ++k) best.a[c][k] = WidePack(Model::least(k, c));
     if constexpr (CompleteText<Text>::several_lobes) {
         const FlushSubnormals flush;
         const LobeStarts<Text> starts = greedy_starts<Text>(batch.rows(), prior);
@@ -327,16 +385,18 @@ auto TexelFit<Text>::best_start(const Batch& batch, const Prior* prior) -> Point
         SmallMatrix<WidePack, B> a = sums.plain;
         std::array<std::array<WidePack, 3>, size_t(B)> target = sums.target;
         for (size_t i = 0; i < size_t(Text::start_count); ++i) {
-            a[size_t(B) - 1] = sums.lobe[i];
-            target[size_t(B) - 1] = sums.lobe_target[i];
-            const SmallFactor<WidePack, B> factor(a, detail::noise);
+            for (size_t l = 0; l < StartSums<Text>::K; ++l) {
+                a[StartSums<Text>::P + l] = sums.lobe[i][l];
+                target[StartSums<Text>::P + l] = sums.lobe_target[i][l];
+            }
+            const CoefficientSolver<Model, WidePack> solver(a, detail::noise, SmallPivots::raised);
             Point p{};
             WidePack error(0.0);
             for (size_t c = 0; c < 3; ++c) {
                 SmallVector<WidePack, B> g;
                 for (size_t k = 0; k < size_t(B); ++k) g[k] = -target[k][c];
-                const auto fit = bounded_step<WidePack, B>(a, factor, g, {}, Text::coefficient_bounds);
-                p.a[c] = fit.step;
+                const auto fit = solver.from_zero(c, g);
+                p.a[c] = fit.coefficients;
                 error += fit.change;
             }
             for (size_t j = 0; j < size_t(Q); ++j) {

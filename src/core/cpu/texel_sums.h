@@ -10,12 +10,12 @@ namespace radiafit {
 ///     shared [i][j] = sum w q_i q_j           lower triangle: 15 of Lafortune
 ///     linear [i][c] = sum w q_i r_c           15; coefficients' gradient, and per channel what makes the shape's
 ///     error         = 1/2 sum w r_c^2         1
-/// The gradient by shape i is sum_c a[last][c] linear[B + i][c]. Keeping its three parts apart (9 + 1 sums would do for
-/// plain Levenberg-Marquardt) lets the coefficients, which are linear, be solved exactly after every sweep.
-/// Floats over 48 samples at a time, doubles beyond.
+/// The gradient by a number of the shape is the sum over its slopes j of sum_c a[slope_basis(j)][c] linear[B + j][c].
+/// Keeping its three parts apart (9 + 1 sums would do for plain Levenberg-Marquardt) lets the coefficients, which are
+/// linear, be solved exactly after every sweep. Floats over 48 samples at a time, doubles beyond.
 template <class Text>
 struct TexelSums {
-    static constexpr int B = Text::basis_count, C = B + Text::shape_count;
+    static constexpr int C = TexelLocal<Text>::shared;
     SmallMatrix<WidePack, C> shared;
     std::array<std::array<WidePack, 3>, size_t(C)> linear;
     WidePack error{};
@@ -144,37 +144,39 @@ consteval size_t start_group() {
 template <class Text>
 struct StartSums {
     static constexpr size_t B = size_t(Text::basis_count), count = size_t(Text::start_count);
-    SmallMatrix<WidePack, Text::basis_count> plain;          ///< sum w b_i b_j, i, j < B - 1
-    std::array<std::array<WidePack, 3>, B> target;           ///< sum w b_i target_c, i < B - 1
-    std::array<std::array<WidePack, B>, count> lobe;         ///< sum w b_(B-1) b_i
-    std::array<std::array<WidePack, 3>, count> lobe_target;  ///< sum w b_(B-1) target_c
+    static constexpr size_t K = size_t(TexelLocal<Text>::shaped), P = B - K;
+    SmallMatrix<WidePack, Text::basis_count> plain;                         ///< sum w b_i b_j, i, j < P
+    std::array<std::array<WidePack, 3>, B> target;                          ///< sum w b_i target_c, i < P
+    std::array<std::array<std::array<WidePack, B>, K>, count> lobe;         ///< sum w b_(P+l) b_i, i <= P + l
+    std::array<std::array<std::array<WidePack, 3>, K>, count> lobe_target;  ///< sum w b_(P+l) target_c
 };
 
 template <class Text>
 StartSums<Text> start_sums(std::span<const typename TexelBatch<Text::term_count>::Row> rows) {
-    constexpr size_t B = StartSums<Text>::B, last = B - 1, group = start_group<Text>();
+    constexpr size_t B = StartSums<Text>::B, K = StartSums<Text>::K, P = StartSums<Text>::P,
+                     group = start_group<Text>();
     StartSums<Text> out{};
     const auto shape_at = [](size_t i) {
         typename Text::Shape s;
         for (int k = 0; k < Text::shape_count; ++k) s.x[k] = Pack(float(Text::starts[i][k]));
         return s;
     };
-    std::array<std::array<Pack, last + 3>, detail::run_length> weighted;  // w b_i, w target_c
-    Pack lobes[detail::run_length][group];
+    std::array<std::array<Pack, P + 3>, detail::run_length> weighted;  // w b_i, w target_c
+    Pack lobes[detail::run_length][K][group];
     detail::for_runs(rows, [&](auto run) {
         Pack plain[B][B] = {}, target[B][3] = {};
         const typename Text::Shape any = shape_at(0);
         for (size_t n = 0; n < run.size(); ++n) {
             const auto& row = run[n];
             const auto b = Text::basis(any, detail::terms_of<Text>(row));
-            for (size_t c = 0; c < 3; ++c) weighted[n][last + c] = row.weight * row.target[c];
-            for (size_t i = 0; i < last; ++i) {
+            for (size_t c = 0; c < 3; ++c) weighted[n][P + c] = row.weight * row.target[c];
+            for (size_t i = 0; i < P; ++i) {
                 weighted[n][i] = row.weight * b.x[i];
                 for (size_t j = 0; j <= i; ++j) plain[i][j] += weighted[n][i] * b.x[j];
                 for (size_t c = 0; c < 3; ++c) target[i][c] += weighted[n][i] * row.target[c];
             }
         }
-        for (size_t i = 0; i < last; ++i) {
+        for (size_t i = 0; i < P; ++i) {
             for (size_t j = 0; j <= i; ++j) out.plain[i][j] += widen(plain[i][j]);
             for (size_t c = 0; c < 3; ++c) out.target[i][c] += widen(target[i][c]);
         }
@@ -185,28 +187,31 @@ StartSums<Text> start_sums(std::span<const typename TexelBatch<Text::term_count>
             for (size_t g = 0; g < group; ++g) varied[g] = shape_at(first + g).x[Text::shape_count - 1];
             for (size_t n = 0; n < run.size(); ++n) {
                 const auto t = detail::terms_of<Text>(run[n]);
-                if constexpr (requires { Text::last_basis_at_starts(shape, t, lobes[n]); }) {
-                    Text::last_basis_at_starts(shape, t, lobes[n]);
+                if constexpr (K == 1 && requires { Text::last_basis_at_starts(shape, t, lobes[n][0]); }) {
+                    Text::last_basis_at_starts(shape, t, lobes[n][0]);
                 } else {
 #pragma GCC unroll 8
                     for (size_t g = 0; g < group; ++g) {
                         shape.x[Text::shape_count - 1] = varied[g];
-                        lobes[n][g] = Text::basis(shape, t).x[last];
+                        const auto b = Text::basis(shape, t);
+                        for (size_t l = 0; l < K; ++l) lobes[n][l][g] = b.x[P + l];
                     }
                 }
             }
-            Pack lobe[group][B] = {}, with_target[group][3] = {};
-            for (size_t n = 0; n < run.size(); ++n)
+            for (size_t l = 0; l < K; ++l) {
+                Pack lobe[group][B] = {}, with_target[group][3] = {};
+                for (size_t n = 0; n < run.size(); ++n)
 #pragma GCC unroll 8
+                    for (size_t g = 0; g < group; ++g) {
+                        const Pack b = lobes[n][l][g];
+                        for (size_t i = 0; i < P; ++i) lobe[g][i] += weighted[n][i] * b;
+                        for (size_t j = 0; j <= l; ++j) lobe[g][P + j] += run[n].weight * b * lobes[n][j][g];
+                        for (size_t c = 0; c < 3; ++c) with_target[g][c] += weighted[n][P + c] * b;
+                    }
                 for (size_t g = 0; g < group; ++g) {
-                    const Pack b = lobes[n][g];
-                    for (size_t i = 0; i < last; ++i) lobe[g][i] += weighted[n][i] * b;
-                    lobe[g][last] += run[n].weight * b * b;
-                    for (size_t c = 0; c < 3; ++c) with_target[g][c] += weighted[n][last + c] * b;
+                    for (size_t i = 0; i <= P + l; ++i) out.lobe[first + g][l][i] += widen(lobe[g][i]);
+                    for (size_t c = 0; c < 3; ++c) out.lobe_target[first + g][l][c] += widen(with_target[g][c]);
                 }
-            for (size_t g = 0; g < group; ++g) {
-                for (size_t i = 0; i < B; ++i) out.lobe[first + g][i] += widen(lobe[g][i]);
-                for (size_t c = 0; c < 3; ++c) out.lobe_target[first + g][c] += widen(with_target[g][c]);
             }
         }
     });

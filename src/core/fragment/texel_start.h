@@ -9,14 +9,15 @@ namespace radiafit {
 
 /// How the sums that the start of a fit needs are spread over sweeps: a group of the model's starts at a time, and of a
 /// group's numbers per texel as many as eight targets hold. Their order is that of shaders/reflect/start.frag: products
-/// of each basis function but the last with those up to it and with the targets; then for each candidate those of the
-/// last one.
+/// of each basis function that no shape enters (of all but the last, if all are such) with those up to it and with the
+/// targets; then for each candidate those of the others.
 struct StartLayout {
     explicit StartLayout(const TexelModel& model);
     static constexpr int most_targets = 8;
     int candidates;  ///< of a group; the last group's are filled up with the last start
     int groups;
-    int numbers;  ///< per texel
+    int shared, of_candidate;  ///< numbers of all candidates, and of each
+    int numbers;               ///< per texel
     int targets() const { return (numbers + 3) / 4; }
     int windows() const { return (targets() + most_targets - 1) / most_targets; }
     int targets_in(int window) const { return std::min(most_targets, targets() - window * most_targets); }
@@ -28,7 +29,7 @@ public:
     StartSolver(const TexelModel& model, size_t texels);
     /// numbers [texels][4 targets()]: the sums of one group, those without samples 0.
     void take(int group, std::span<const float> numbers);
-    /// [texels][parameters]; coefficients 0 where there are no samples.
+    /// [texels][parameters]; coefficients 0, or as near to it as bounds allow, where there are no samples.
     std::vector<float> parameters() && { return std::move(parameters_); }
 
 private:

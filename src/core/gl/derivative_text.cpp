@@ -396,22 +396,31 @@ Slope shape_slope(Shape s, Terms t) {
     }
     slope_own_Terms u;
     for (int k = 0; k < TERM_COUNT; ++k) u.x[k] = slope_number(t.x[k]);
-    slope_real last = slope_own_basis(p, u).x[BASIS_COUNT - 1];
+    slope_own_Basis b = slope_own_basis(p, u);
     Slope g;
-    for (int i = 0; i < SHAPE_COUNT; ++i) g.x[i] = last.d[i];
+    for (int l = 0; l < SHAPED_COUNT; ++l)
+        for (int i = 0; i < SHAPE_COUNT; ++i)
+            g.x[l * SHAPE_COUNT + i] = b.x[BASIS_COUNT - SHAPED_COUNT + l].d[i];
     return g;
 }
 )";
 
 constexpr const char* of_bend = R"(
-vec2 shape_bend(Shape s, Shape d, Terms t) {
+struct Bends { vec2 x[SHAPED_COUNT]; };
+Bends shape_bends(Shape s, Shape d, Terms t) {
     bend_own_Shape p;
     for (int i = 0; i < SHAPE_COUNT; ++i) p.x[i] = bend_real(s.x[i], d.x[i], 0.0);
     bend_own_Terms u;
     for (int k = 0; k < TERM_COUNT; ++k) u.x[k] = bend_number(t.x[k]);
-    bend_real last = bend_own_basis(p, u).x[BASIS_COUNT - 1];
-    return vec2(last.d, last.e);
+    bend_own_Basis b = bend_own_basis(p, u);
+    Bends along;
+    for (int l = 0; l < SHAPED_COUNT; ++l) {
+        bend_real x = b.x[BASIS_COUNT - SHAPED_COUNT + l];
+        along.x[l] = vec2(x.d, x.e);
+    }
+    return along;
 }
+vec2 shape_bend(Shape s, Shape d, Terms t) { return shape_bends(s, d, t).x[0]; }
 )";
 
 }  // namespace
@@ -429,10 +438,12 @@ std::string with_derivatives(const std::string& file, const std::string& text,
     const auto add = [&](const Kind& kind, const char* function, const char* made) {
         if (scanner.has_function(function)) return;
         Translator translator(file, scanner, kind);
-        if (!translator.has_struct("Slope") && &kind == &slope) out += "struct Slope { float x[SHAPE_COUNT]; };\n";
+        if (!translator.has_struct("Slope") && &kind == &slope)
+            out += "struct Slope { float x[SHAPED_COUNT * SHAPE_COUNT]; };\n";
         out += translator.translated() + made;
     };
     if (!out.ends_with('\n')) out += '\n';
+    if (!scanner.defines("SHAPED_COUNT")) out += "#define SHAPED_COUNT 1\n";
     add(slope, "shape_slope", of_slope);
     add(bend, "shape_bend", of_bend);
     return out;

@@ -9,16 +9,16 @@
 namespace radiafit {
 namespace {
 
-std::vector<Eigen::Index> free_parameters(Eigen::Index n, int held) {
+std::vector<Eigen::Index> free_parameters(Eigen::Index n, const std::vector<int>& held) {
     std::vector<Eigen::Index> free;
     for (Eigen::Index i = 0; i < n; ++i)
-        if (i != held) free.push_back(i);
+        if (std::ranges::find(held, int(i)) == held.end()) free.push_back(i);
     return free;
 }
 
 }  // namespace
 
-Covariance covariance_of(const Eigen::MatrixXd& normal, double variance, int held) {
+Covariance covariance_of(const Eigen::MatrixXd& normal, double variance, const std::vector<int>& held) {
     const Eigen::Index n = normal.rows();
     Covariance out;
     out.matrix = Eigen::MatrixXd::Zero(n, n);

@@ -19,8 +19,8 @@ struct Covariance {
 /// is 1.
 inline constexpr double least_curvature = 1e-9;
 
-/// normal: J^T J, [n][n], of which the lower triangle counts. variance: that of a residual. held: a parameter that a
-/// gauge holds; -1: none.
-Covariance covariance_of(const Eigen::MatrixXd& normal, double variance, int held = -1);
+/// normal: J^T J, [n][n], of which the lower triangle counts. variance: that of a residual. held: parameters that
+/// stay, of which the samples need say nothing.
+Covariance covariance_of(const Eigen::MatrixXd& normal, double variance, const std::vector<int>& held = {});
 
 }  // namespace radiafit

@@ -20,7 +20,12 @@ struct RADIAFIT_TEXEL_MODEL {
 #error "a texel model's text defines TERM_COUNT, BASIS_COUNT and SHAPE_COUNT; see docs/texel-models.md"
 #endif
     static constexpr const char* name = RADIAFIT_TEXEL_STRING(RADIAFIT_TEXEL_MODEL);
+#ifndef SHAPED_COUNT
+#define SHAPED_COUNT 1
+#endif
     static constexpr int term_count = TERM_COUNT, basis_count = BASIS_COUNT, shape_count = SHAPE_COUNT;
+    static constexpr int shaped_count = SHAPED_COUNT;
+#undef SHAPED_COUNT
 #undef TERM_COUNT
 #undef BASIS_COUNT
 #undef SHAPE_COUNT

@@ -20,6 +20,7 @@ public:
     int terms = 0;          ///< numbers of a sample that no parameter enters
     int basis = 0;          ///< coefficients per channel; those of basis function k are parameters 3 k + channel
     int shape = 0;          ///< parameters that the channels share, behind the coefficients
+    int shaped = 0;         ///< basis functions that depend on the shape, the last ones
     int parameters = 0;     ///< 3 basis + shape
     int independent = 0;    ///< so many samples a texel needs at least
     std::vector<std::string> coefficient_names;  ///< [basis]
@@ -29,13 +30,15 @@ public:
     std::optional<int> diffuse;                  ///< the coefficient that is a diffuse albedo, where one is
 
     std::string parameter_name(int i) const;  ///< "rho_d.R", "Cx"
+    bool held(int i) const { return bounds[size_t(i)][0] == bounds[size_t(i)][1]; }
+    int columns() const { return basis + shaped * shape; }
     /// Reflected radiance per channel where a white diffuse surface that faces the lamp has 1. u, v: unit directions to
     /// lamp and camera in the texel's frame; 0 unless u_z > 0 and v_z > 0.
     virtual std::array<float, 3> value(std::span<const float> p, const Vec3f& u, const Vec3f& v) const = 0;
-    /// Columns of the Jacobian at p, in double, which all channels share but for a factor: out[k], k < basis, is
-    /// channel c's derivative by its own coefficient 3 k + c; out[basis + i] times the channel's last coefficient that
-    /// by shape parameter i. The value is linear in the coefficients: sum over k of p[3 k + c] out[k]. out [basis +
-    /// shape]; 0 unless u_z > 0 and v_z > 0.
+    /// Derivatives at p, in double, which all channels share: out[k], k < basis, is basis function k, and so channel
+    /// c's derivative by its own coefficient 3 k + c; out[basis + shape l + i] that of the shaped basis function l by
+    /// shape parameter i. The value is linear in the coefficients: sum over k of p[3 k + c] out[k]. out [columns()]; 0
+    /// unless u_z > 0 and v_z > 0.
     virtual void columns(std::span<const float> p, const Vec3f& u, const Vec3f& v, std::span<double> out) const = 0;
     /// Where a fit begins with one shape: model/start_sums.h.
     virtual double coefficients_of(std::span<const float> sums, std::span<float> out) const = 0;

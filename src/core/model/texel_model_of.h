@@ -22,6 +22,7 @@ public:
         terms = Text::term_count;
         basis = Model::basis;
         shape = Model::shape;
+        shaped = Model::shaped;
         parameters = Model::parameters;
         independent = Model::independent;
         for (const char* of : Text::coefficient_names) coefficient_names.emplace_back(of ? of : "");
@@ -48,7 +49,7 @@ public:
         std::ranges::copy(Fine::columns(Fine::shape_of(q), terms), out.begin());
     }
     double coefficients_of(std::span<const float> sums, std::span<float> out) const override {
-        return coefficients_of_sums<Text::basis_count>(sums, Text::coefficient_bounds, out);
+        return coefficients_of_sums<Model>(sums, out);
     }
     int held_by_gauge(std::span<const float> p) const override {
         int held = -1;

@@ -72,7 +72,7 @@ void check(const fs::path& file, const TexelModel& m) {
                 refuse(fmt::format("two maps of a fit would be named {}; rename one", name));
         }
     for (int i = 0; i < m.parameters; ++i)
-        if (const auto& [lowest, highest] = m.bounds[size_t(i)]; !(lowest < highest))
+        if (const auto& [lowest, highest] = m.bounds[size_t(i)]; !(lowest <= highest))
             refuse(fmt::format("the bounds of {} are {} and {}: give the lowest and the highest value",
                                m.parameter_name(i), lowest, highest));
     for (const auto& start : m.starts)

@@ -11,7 +11,7 @@
 #include <unordered_map>
 
 #include "base/error.h"
-#include "model/small_solve.h"
+#include "model/coefficient_solver.h"
 #include "model/texel_texts.h"
 #include "reference/ceres_status.h"
 #include "reference/texel_residuals.h"
@@ -48,7 +48,7 @@ template <class Text>
 class ProjectedCost final : public ceres::CostFunction {
 public:
     using Model = TexelLocal<Text>;
-    static constexpr size_t B = size_t(Model::basis), Q = size_t(Model::shape), C = B + Q;
+    static constexpr size_t B = size_t(Model::basis), Q = size_t(Model::shape), C = size_t(Model::shared);
     static constexpr int first = 3 * int(B), count = int(Q);
     using Coefficients = std::array<std::array<double, B>, 3>;  ///< [channel][basis]
 
@@ -92,22 +92,17 @@ public:
                 for (size_t k = 0; k < B; ++k) right[c][k] += columns_[s][k] * target(s, c);
         }
         SmallMatrix<double, int(B)> square{};
-        double bounds[B][2];
-        SmallVector<double, int(B)> start{};
-        for (size_t i = 0; i < B; ++i) {
-            std::copy_n(products_[i].begin(), i + 1, square[i].begin());
-            bounds[i][0] = Model::bounds(int(3 * i))[0], bounds[i][1] = Model::bounds(int(3 * i))[1];
-            start[i] = std::clamp(0.0, bounds[i][0], bounds[i][1]);
-        }
-        const SmallFactor<double, int(B)> factor(square, 1e-12, SmallPivots::left_out);
+        for (size_t i = 0; i < B; ++i) std::copy_n(products_[i].begin(), i + 1, square[i].begin());
+        const CoefficientSolver<Model, double> solver(square, 1e-12, SmallPivots::left_out);
         Coefficients a;
         for (size_t c = 0; c < 3; ++c) {
-            SmallVector<double, int(B)> slope;
+            SmallVector<double, int(B)> start, slope;
+            for (size_t i = 0; i < B; ++i) start[i] = Model::least(i, c);
             for (size_t i = 0; i < B; ++i) {
                 slope[i] = -right[c][i];
                 for (size_t k = 0; k < B; ++k) slope[i] += square[std::max(i, k)][std::min(i, k)] * start[k];
             }
-            const auto best = bounded_step<double, int(B)>(square, factor, slope, start, bounds);
+            const auto best = solver.step(c, start, slope);
             for (size_t i = 0; i < B; ++i) a[c][i] = start[i] + best.step[i];
         }
         return a;
@@ -122,20 +117,22 @@ private:
         SmallMatrix<double, int(B)> free{};
         std::array<bool, B> is_free;
         for (size_t i = 0; i < B; ++i) {
-            const auto [low, high] = Model::bounds(int(3 * i));
+            const auto [low, high] = Model::bounds(int(3 * i + c));
             is_free[i] = a[i] > low && a[i] < high;
             for (size_t j = 0; j < i; ++j) free[i][j] = is_free[i] && is_free[j] ? products_[i][j] : 0;
             free[i][i] = is_free[i] ? products_[i][i] : 1;
         }
         const SmallFactor<double, int(B)> factor(free, 1e-12, SmallPivots::left_out);
-        for (size_t i = 0; i < Q; ++i) {
+        for (size_t i = 0; i < size_t(Model::slopes); ++i) {
             SmallVector<double, int(B)> right;
             for (size_t k = 0; k < B; ++k) right[k] = is_free[k] ? products_[B + i][k] : 0;
             const auto made_up = factor.solve(right);
             for (size_t s = 0; s < samples_.size(); ++s) {
                 double left = columns_[s][B + i];
                 for (size_t k = 0; k < B; ++k) left -= made_up[k] * columns_[s][k];
-                jacobian[(3 * s + c) * Q + i] = a[B - 1] * left;
+                double& entry = jacobian[(3 * s + c) * Q + i % Q];
+                left *= a[size_t(Model::slope_basis(int(i)))];
+                entry = i < Q ? left : entry + left;
             }
         }
     }

@@ -25,7 +25,7 @@ template <class Text>
 void texel_residuals(TexelSamples<Text> samples, const typename TexelLocal<Text>::Parameters& p, double* residuals,
                      double* jacobian, size_t row_step, size_t column_step) {
     using Model = TexelLocal<Text>;
-    constexpr size_t B = size_t(Model::basis), Q = size_t(Model::shape), N = size_t(Model::parameters);
+    constexpr size_t B = size_t(Model::basis), N = size_t(Model::parameters);
     const auto shape = Model::shape_of(p);
     if (jacobian) std::fill_n(jacobian, 3 * samples.size() * N, 0.0);
     for (const auto& sample : samples) {
@@ -43,7 +43,9 @@ void texel_residuals(TexelSamples<Text> samples, const typename TexelLocal<Text>
                 value += p[3 * k + c] * q[k];
                 jacobian[(3 * k + c) * column_step] = root * q[k];
             }
-            for (size_t i = 0; i < Q; ++i) jacobian[(3 * B + i) * column_step] = root * p[3 * (B - 1) + c] * q[B + i];
+            for (int i = 0; i < Model::slopes; ++i)
+                jacobian[(3 * B + size_t(Model::slope_shape(i))) * column_step] +=
+                    root * p[3 * size_t(Model::slope_basis(i)) + c] * q[B + size_t(i)];
             *residuals++ = root * (value - double(sample.target[c]));
         }
     }

@@ -71,7 +71,7 @@ public:
         if (jacobian) std::fill_n(jacobian, N * rows, 0.0f);
         const auto shape = Model::shape_of(p);
         for (const Eight& eight : eights_) {
-            std::array<Pack, B + Q> q;
+            std::array<Pack, size_t(Model::shared)> q;
             if (jacobian) {
                 q = Model::columns(shape, eight.terms);
             } else {
@@ -84,8 +84,14 @@ public:
                 store(residuals, eight.root * (value - eight.target[c]));
                 if (!jacobian) continue;
                 for (size_t k = 0; k < B; ++k) store(jacobian + (3 * k + c) * rows, eight.root * q[k]);
-                const Pack lobe = eight.root * p[3 * (B - 1) + c];
-                for (size_t i = 0; i < Q; ++i) store(jacobian + (3 * B + i) * rows, lobe * q[B + i]);
+                const auto slope = [&](size_t i) {
+                    return eight.root * p[3 * size_t(Model::slope_basis(int(i))) + c] * q[B + i];
+                };
+                for (size_t i = 0; i < Q; ++i) {
+                    Pack sum = slope(i);
+                    for (size_t l = 1; l < size_t(Model::shaped); ++l) sum += slope(l * Q + i);
+                    store(jacobian + (3 * B + i) * rows, sum);
+                }
                 jacobian += Pack::size;
             }
         }

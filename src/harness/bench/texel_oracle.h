@@ -107,10 +107,13 @@ struct ExactTexel {
                     diagonal[3 * k + c].add(each * columns[k] * columns[k],
                                             uncertain * column_size[k] * column_size[k]);
                 }
-                const double last = p[3 * size_t(B - 1) + c];
                 for (size_t i = 0; i < size_t(Q); ++i) {
-                    const double column = last * columns[size_t(B) + i],
-                                 of_size = std::abs(last) * column_size[size_t(B) + i];
+                    double column = 0, of_size = 0;
+                    for (size_t slope = i; slope < size_t(Model::slopes); slope += size_t(Q)) {
+                        const double lobe = p[3 * size_t(Model::slope_basis(int(slope))) + c];
+                        column += lobe * columns[size_t(B) + slope];
+                        of_size += std::abs(lobe) * column_size[size_t(B) + slope];
+                    }
                     gradient[3 * size_t(B) + i].add(each * r * column, uncertain * size * of_size);
                     diagonal[3 * size_t(B) + i].add(each * column * column, uncertain * of_size * of_size);
                 }
@@ -127,6 +130,8 @@ struct ExactTexel {
             gauss_newton.add(second);
             curvature.add(second);
         }
+        for (size_t i = 0; i < p.size(); ++i)
+            if (Model::held(int(i))) gradient[i] = {};  // no magnitude either: it is 0 exactly
         double largest = 0, largest_size = 0;
         for (const ExactSum& sum : diagonal) {
             largest = std::max(largest, sum.value);

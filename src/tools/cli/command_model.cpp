@@ -37,12 +37,19 @@ void describe(const std::string& what, bool json) {
         return;
     }
     const auto line = [](const std::string& name, const std::array<double, 2>& bounds) {
-        fmt::print("  {}{}\n", name, are_meant(bounds) ? fmt::format(", {:g} to {:g}", bounds[0], bounds[1]) : "");
+        fmt::print("  {}{}\n", name,
+                   bounds[0] == bounds[1] ? fmt::format(", held at {:g}", bounds[0])
+                   : are_meant(bounds)    ? fmt::format(", {:g} to {:g}", bounds[0], bounds[1])
+                                          : "");
     };
     fmt::print("{}: {}\n", m.name,
                is.compile_s > 0 ? fmt::format("compiled in {:.1f} s, and kept", is.compile_s) : "compiled");
     fmt::print("coefficients, one for each channel:\n");
-    for (int k = 0; k < m.basis; ++k) line(m.coefficient_names[size_t(k)], bounds_of(3 * k));
+    for (int k = 0; k < m.basis; ++k) {
+        const bool alike = bounds_of(3 * k) == bounds_of(3 * k + 1) && bounds_of(3 * k) == bounds_of(3 * k + 2);
+        if (alike) line(m.coefficient_names[size_t(k)], bounds_of(3 * k));
+        for (int c = 0; !alike && c < 3; ++c) line(m.parameter_name(3 * k + c), bounds_of(3 * k + c));
+    }
     if (m.shape > 0) fmt::print("shape, which the channels share, with {} starts:\n", m.starts.size());
     for (int i = 0; i < m.shape; ++i) line(m.shape_names[size_t(i)], bounds_of(3 * m.basis + i));
 }

@@ -51,7 +51,7 @@ Eigen::MatrixXf coefficients_of_functions(const RtiFile& file, const Frame& texe
     const auto rows = Eigen::Index(lamps.size());
     Eigen::MatrixXd ours(rows, model.basis), theirs(rows, Eigen::Index(file.numbers / 3));
     const std::vector<float> p(size_t(model.parameters), 0.0f);
-    std::vector<double> columns(size_t(model.basis + model.shape));
+    std::vector<double> columns(size_t(model.columns()));
     for (Eigen::Index i = 0; i < rows; ++i) {
         const Vec3d& lamp = lamps[size_t(i)];
         const Vec3f in_world = (lamp.x() * grid.tangent.cast<double>() + lamp.y() * grid.bitangent.cast<double>() +
