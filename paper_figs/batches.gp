@@ -14,8 +14,9 @@ stats fits using (column('threads')) nooutput
 most = STATS_max
 names = system(sprintf("awk -F, 'NR > 1 { n = $1 \"_\" $2; gsub(\" \", \"-\", n); if (!(n in seen)) { seen[n]; printf \"%%s \", n } }' '%s'", fits))
 place(name) = sum [i=1:words(names)] (word(names, i) eq name ? i : 0)
-group(dummy) = place(system(sprintf("printf '%%s' '%s_%d' | tr ' ' '-'", strcol('problem'), column('samples'))))
-shown(text) = system(sprintf("printf '%%s' '%s' | sed 's/-/ /g; s/_/, /; s/$/ samples/'", text))
+swap(text, from, to) = text eq '' ? '' : (text[1:1] eq from ? to : text[1:1]) . swap(text[2:*], from, to)
+group(dummy) = place(swap(sprintf('%s_%d', strcol('problem'), column('samples')), ' ', '-'))
+shown(text) = swap(swap(text, '-', ' '), '_', ', ') . ' samples'
 set logscale y
 set format y '10^{%T}'
 set ylabel sprintf('fits a second, %d threads', most)

@@ -13,8 +13,9 @@ runs = rows . '/runs.csv'
 solvers = system(sprintf("awk -F, 'NR > 1 && !(($1 FS $2) in n) { n[$1 FS $2] = 1; s = $2 == \"\" ? $1 : $1 \": \" $2; gsub(\" \", \"_\", s); printf \"%%s \", s }' '%s'", runs))
 problems = system(sprintf("awk -F, 'NR > 1 && !($3 in n) { n[$3] = 1; printf \"%%s \", $3 }' '%s'", runs))
 place(list, name) = sum [i=1:words(list)] (word(list, i) eq name ? i : 0)
-plain(text) = system(sprintf("printf '%%s' '%s' | tr '_' ' '", text))
-solver(dummy) = place(solvers, system(sprintf("printf '%%s' '%s' | tr ' ' '_'", strcol('setting') eq '' ? strcol('solver') : strcol('solver') . ': ' . strcol('setting'))))
+swap(text, from, to) = text eq '' ? '' : (text[1:1] eq from ? to : text[1:1]) . swap(text[2:*], from, to)
+plain(text) = swap(text, '_', ' ')
+solver(dummy) = place(solvers, swap(strcol('setting') eq '' ? strcol('solver') : strcol('solver') . ': ' . strcol('setting'), ' ', '_'))
 row(dummy) = 2 * place(problems, strcol('problem')) - 3 + column('start')
 set title "{/:Bold Digits of NIST's certified parameters: the one with the fewest right}\n" . caption
 unset key

@@ -15,6 +15,7 @@ set output output
 size = terminal eq 'svg' ? 0.65 : 0.9
 down(pixels) = 1 - real(pixels) / height
 awk(program) = system(sprintf("awk -F, '%s' '%s'", program, errors))
+is(dataset, method, weights) = strcol(1) eq dataset && strcol(3) eq method && strcol(4) eq weights
 of(dataset, method, weights) = \
     sprintf("< awk -F, '$1 == \"%s\" && $3 == \"%s\" && $4 == \"%s\"' '%s'", dataset, method, weights, errors)
 cell(method, weights, column) = awk(sprintf('$3 == "%s" && $4 == "%s" {print $%d; exit}', method, weights, column))
@@ -76,8 +77,8 @@ do for [p=1:4] {
     set title title[p]
     set xlabel (kind == 1 ? 'dB' : 'mean |difference|, 0 to 255') offset 0,0.4
     set xrange [from[kind]:to[kind]]
-    plot for [d=1:count] for [i=1:9] of(word(names, d), method[i], weights[i]) \
-        using ($5 == 1 ? column(column_of[p]) : NaN):(place(i) + 0.15 * (count + 1 - 2 * d)) \
+    plot for [d=1:count] for [i=1:9] errors \
+        using (is(word(names, d), method[i], weights[i]) && $5 == 1 ? column(column_of[p]) : NaN):(place(i) + 0.15 * (count + 1 - 2 * d)) \
         with points pt shape[d] ps size lw 1.5 lc rgb color[d]
     unset label
     set format y ''

@@ -2,9 +2,11 @@
 # -e: rows (folder of the result rows), output (without extension), caption, terminal ("svg" or "png")
 set datafile separator comma
 # Rows by their time per vertex, which is what is drawn.
-table = sprintf("< tail -n +2 '%s/solvers.csv' | awk -F, '{print $7 / $4 \",\" $0}' | sort -g -t , -k 1,1 | cut -d , -f 2-", rows)
-stats table using ($7 / $4 * 1e3) nooutput name 'ms'
-stats table using 4 nooutput name 'vertices'
+set print $sorted
+print system(sprintf("tail -n +2 '%s/solvers.csv' | awk -F, '{print $7 / $4 \",\" $0}' | sort -g -t , -k 1,1 | cut -d , -f 2-", rows))
+unset print
+stats $sorted using ($7 / $4 * 1e3) nooutput name 'ms'
+stats $sorted using 4 nooutput name 'vertices'
 most_vertices = vertices_max
 height = int(260 + 28 * ms_records)
 if (terminal eq 'svg') {
@@ -42,10 +44,10 @@ do for [k=1:3] { set label k what[k] at screen 0.22 + 0.19 * (k - 1), screen dow
 sure(vertices, repetitions) = vertices == most_vertices && repetitions > 1
 of(k, value) = kind(strcol(1), strcol(2)) == k ? value : NaN
 few(vertices, repetitions) = (vertices < most_vertices ? sprintf('; %d vert%s', vertices, vertices == 1 ? 'ex' : 'ices') : '') . (repetitions == 1 ? '; one run' : '')
-plot table using (ms_min / 2):0:($8 / $4 * 1e3 - ms_min / 2):(0):ytic(name(strcol(1), strcol(2))) with vectors nohead dt 3 lc rgb '#999999', \
-     table using ($18 > 1 ? $7 / $4 * 1e3 : NaN):0:($8 / $4 * 1e3):($9 / $4 * 1e3) with xerrorbars pt -1 lc rgb '#333333', \
-     for [k=1:3] table using (of(k, sure($4, $18) ? $7 / $4 * 1e3 : NaN)):0 with points pt full[k] ps size lc rgb color[k], \
-     for [k=1:3] table using (of(k, sure($4, $18) ? NaN : $7 / $4 * 1e3)):0 with points pt empty[k] ps size lw 1.5 lc rgb color[k], \
-     table using ($9 / $4 * 1e3):0:(sprintf('%s, %s; %.3g %% reach it%s', span($7 / $4 * 1e3), times($10), 100 * $6, few($4, $18))) \
+plot $sorted using (ms_min / 2):0:($8 / $4 * 1e3 - ms_min / 2):(0):ytic(name(strcol(1), strcol(2))) with vectors nohead dt 3 lc rgb '#999999', \
+     $sorted using ($18 > 1 ? $7 / $4 * 1e3 : NaN):0:($8 / $4 * 1e3):($9 / $4 * 1e3) with xerrorbars pt -1 lc rgb '#333333', \
+     for [k=1:3] $sorted using (of(k, sure($4, $18) ? $7 / $4 * 1e3 : NaN)):0 with points pt full[k] ps size lc rgb color[k], \
+     for [k=1:3] $sorted using (of(k, sure($4, $18) ? NaN : $7 / $4 * 1e3)):0 with points pt empty[k] ps size lw 1.5 lc rgb color[k], \
+     $sorted using ($9 / $4 * 1e3):0:(sprintf('%s, %s; %.3g %% reach it%s', span($7 / $4 * 1e3), times($10), 100 * $6, few($4, $18))) \
          with labels left offset 1.5,0
 unset multiplot

@@ -2,10 +2,13 @@
 # -e: rows (folder of the result rows), output (without extension), caption, terminal ("svg" or "png")
 set datafile separator comma
 datasets = rows . '/datasets.csv'
+# all cells as words, row by row, empty ones as -
+cells = system(sprintf("awk -F, '{for (i = 1; i <= NF; ++i) printf \"%%s \", $i == \"\" ? \"-\" : $i}' '%s'", datasets))
+across = int(system(sprintf("awk -F, 'NR == 1 {print NF}' '%s'", datasets)))
+n = words(cells) / across - 1
 # of the i-th dataset and way to choose sides
-text(i, column) = system(sprintf("awk -F, -v row=%d -v column='%s' 'NR == 1 {for (i = 1; i <= NF; ++i) if ($i == column) at = i} NR == row + 1 {print $at}' '%s'", i, column, datasets))
+text(i, column) = word(cells, i * across + (sum [k=1:across] (word(cells, k) eq column ? k : 0)))
 field(i, column) = real(text(i, column))
-n = int(system(sprintf("awk 'END {print NR - 1}' '%s'", datasets)))
 width = n < 3 ? 820 : n * 256 > 1280 ? 256 * n : 1280
 if (terminal eq 'svg') {
     set terminal svg size width,820 font 'DejaVu Sans,13' background 'white'
