@@ -23,6 +23,7 @@ class OwnModel(ProgramTest):
         cache = tempfile.TemporaryDirectory(prefix="radiafit-models-")  # of models that this test compiles
         cls.addClassCleanup(cache.cleanup)
         os.environ["XDG_CACHE_HOME"] = cache.name
+        os.environ["CXX"] = cls.compiler_with("-O1")
         cls.text = (CHECKOUT / "examples/own_model.glsl").read_text()
         (cls.root / "blinn.glsl").write_text(cls.text)
         cls.told = cls.good("model", "blinn.glsl").stdout
