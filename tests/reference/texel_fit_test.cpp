@@ -182,8 +182,8 @@ void expect_sums_of_each_start(size_t group) {
             for (size_t k = 0; k < 2; ++k) lobe[k] += double(s.weight) * b.x[k] * b.x[1];
             for (size_t c = 0; c < 3; ++c) target[c] += double(s.weight) * b.x[1] * double(s.target[c]);
         }
-        for (size_t k = 0; k < 2; ++k) EXPECT_NEAR(sums.lobe[i][k][2], lobe[k], 1e-5 * lobe[k]) << "start " << i;
-        for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(sums.lobe_target[i][c][2], target[c], 1e-5 * target[c]);
+        for (size_t k = 0; k < 2; ++k) EXPECT_NEAR(sums.lobe[i][0][k][2], lobe[k], 1e-5 * lobe[k]) << "start " << i;
+        for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(sums.lobe_target[i][0][c][2], target[c], 1e-5 * target[c]);
     }
 }
 

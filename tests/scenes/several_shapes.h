@@ -14,12 +14,15 @@
 
 namespace radiafit::testing {
 
+inline std::string several_shapes_text() {
+    return read_file(std::filesystem::path(RADIAFIT_TEST_TEXTS) / "several_shapes.glsl", "model");
+}
+
 /// The model several_shapes, known to the engines of OpenGL from then on by its name; its derivatives are made.
 inline const TexelModel& several_shapes() {
     static const TexelModel& model = [] {
         static constexpr const char* name = "model/several_shapes.glsl";
-        const std::string text = read_file(std::filesystem::path(RADIAFIT_TEST_TEXTS) / "several_shapes.glsl", "model");
-        add_shader(name, [text] { return with_derivatives(name, text, shader_file); });
+        add_shader(name, [] { return with_derivatives(name, several_shapes_text(), shader_file); });
         return std::ref(add_texel_model(std::make_unique<TexelModelOf<texel_text::several_shapes<float>>>()));
     }();
     return model;

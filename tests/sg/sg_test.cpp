@@ -49,7 +49,7 @@ TEST(SphericalGaussians, SlopesAreThoseOfDifferences) {
             low[size_t(9 + i)] -= h;
             for (size_t c = 0; c < 3; ++c) {
                 const double difference = (Model::value(high, t)[c] - Model::value(low, t)[c]) / (2 * h);
-                const double slope = p[3 * size_t(Model::owner(i)) + c] * q[size_t(Model::basis + i)];
+                const double slope = p[3 * size_t(Model::slope_basis(i)) + c] * q[size_t(Model::basis + i)];
                 EXPECT_NEAR(slope, difference, 1e-7);
             }
         }
