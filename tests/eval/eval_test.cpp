@@ -3,9 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -296,6 +296,9 @@ Dataset gray_dataset(const fs::path& folder, uint8_t value, bool masks = false) 
         folder, sheet_dataset(troubled_mesh(3, 7, 1), 5, 48, 2), [=](size_t, int, int, int) { return value; }, masks);
 }
 
+const JudgeOptions at_centres{.pixel_points = 1};
+
+/// By the points' places in the list: of pixels, where they are asked for at their centres.
 Contestant painter(const std::function<float(size_t pixel, size_t channel)>& color,
                    TargetSpace space = TargetSpace::stored) {
     return {[color](const View&, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int) {
@@ -370,8 +373,8 @@ TEST(Judge, RendersAreClampedAndANaNIsAFailure) {
         ViewJudge(dataset).compare(painter([](size_t, size_t) { return 1.0f; }), dataset.split(true)[0]);
     const size_t pixel = size_t(std::find(view.foreground.begin(), view.foreground.end(), 1) - view.foreground.begin());
     for (const float bad : {NAN, INFINITY, -INFINITY}) {
-        const JudgeResult result =
-            judge(painter([=](size_t p, size_t c) { return p == pixel && c == 1 ? bad : 1.0f; }), dataset, Split::test);
+        const JudgeResult result = judge(painter([=](size_t p, size_t c) { return p == pixel && c == 1 ? bad : 1.0f; }),
+                                         dataset, Split::test, at_centres);
         EXPECT_TRUE(std::isnan(result.psnr()));
         EXPECT_TRUE(std::isnan(result.linear.ape()));
         EXPECT_GE(result.stored.not_finite, 1u);
@@ -461,13 +464,13 @@ TEST_F(Exposure, TrainingViewsUseTheDatasetsGains) {
     const TemporaryFolder folder;
     const Dataset dataset = make(folder.path() / "data", 1);
     for (const TargetSpace space : {TargetSpace::stored, TargetSpace::linear}) {
-        const JudgeResult result = judge(oracle(space), dataset, Split::train);
+        const JudgeResult result = judge(oracle(space), dataset, Split::train, at_centres);
         // Only rounding to bytes is left: uniform within +- 1/2 of 1/255, a PSNR of 58.9 dB or (clipped) better.
         EXPECT_GT(result.psnr(), 58.5);
         EXPECT_LT(result.ape(), 0.26);
         EXPECT_EQ(result.images[2].gain, 1.25);
         // A contestant with the wrong exposure is not forgiven in training.
-        EXPECT_LT(judge(oracle(space, 1.3), dataset, Split::train).psnr(), 30);
+        EXPECT_LT(judge(oracle(space, 1.3), dataset, Split::train, at_centres).psnr(), 30);
     }
 }
 
@@ -476,13 +479,13 @@ TEST_F(Exposure, HeldOutGainIsRecovered) {
     const Dataset dataset = make(folder.path() / "data", 1);
     for (const TargetSpace space : {TargetSpace::stored, TargetSpace::linear})
         for (const double scale : {0.3, 1.0, 2.5}) {  // alike for every contestant, whatever its own exposure
-            const JudgeResult result = judge(oracle(space, scale), dataset, Split::test);
+            const JudgeResult result = judge(oracle(space, scale), dataset, Split::test, at_centres);
             EXPECT_NEAR(result.images[0].gain[0], 1.7 * scale, 1e-3 * scale);  // bytes of 7,000 values: 1e-4 or better
             EXPECT_GT(result.psnr(), 58.5);
         }
     // What stands in the dataset for a held-out view is only where the search begins.
     const Dataset told = make(folder.path() / "told", 1.5);
-    EXPECT_NEAR(judge(oracle(TargetSpace::stored), told, Split::test).images[0].gain[0], 1.7, 1e-3);
+    EXPECT_NEAR(judge(oracle(TargetSpace::stored), told, Split::test, at_centres).images[0].gain[0], 1.7, 1e-3);
 }
 
 TEST_F(Exposure, GainsPerChannelAreUsedInTrainingAndFoundOnHeldOutViews) {
@@ -495,8 +498,8 @@ TEST_F(Exposure, GainsPerChannelAreUsedInTrainingAndFoundOnHeldOutViews) {
         const double stored = srgb_encode(2.2 * light(size_t(y * 48 + x), size_t(c)) / truth[view][size_t(c)]);
         return uint8_t(std::lround(255 * std::min(1.0, stored)));
     });
-    EXPECT_GT(judge(oracle(TargetSpace::linear), dataset, Split::train).psnr(), 58.5);
-    const JudgeResult held_out = judge(oracle(TargetSpace::linear), dataset, Split::test);
+    EXPECT_GT(judge(oracle(TargetSpace::linear), dataset, Split::train, at_centres).psnr(), 58.5);
+    const JudgeResult held_out = judge(oracle(TargetSpace::linear), dataset, Split::test, at_centres);
     EXPECT_GT(held_out.psnr(), 58.5);
     for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(held_out.images[0].gain[c], truth[2][c], 2e-3) << c;
     const auto json = nlohmann::json::parse(judge_json(held_out));
@@ -507,7 +510,7 @@ TEST_F(Exposure, NoGainsNoSearch) {
     const TemporaryFolder folder;
     Dataset dataset = make(folder.path() / "data", 1);
     for (View& view : dataset.views) view.gain = 1;
-    const JudgeResult result = judge(oracle(TargetSpace::stored), dataset, Split::test);
+    const JudgeResult result = judge(oracle(TargetSpace::stored), dataset, Split::test, at_centres);
     EXPECT_EQ(result.images[0].gain, 1.0);
     EXPECT_LT(result.psnr(), 30) << "a fixed exposure is part of the answer";
 }
@@ -522,7 +525,8 @@ TEST_F(Exposure, FiguresDoNotDependOnTheScaleOfTheGains) {
                        TargetSpace::linear);
     };
     for (const Split split : {Split::train, Split::test})
-        EXPECT_NEAR(judge(off(1), dataset, split).psnr(), judge(off(0.25), darker, split).psnr(), 1e-3);
+        EXPECT_NEAR(judge(off(1), dataset, split, at_centres).psnr(),
+                    judge(off(0.25), darker, split, at_centres).psnr(), 1e-3);
 }
 
 TEST(FindExposure, IsTheLeastOfAll) {
@@ -556,25 +560,43 @@ TEST(FindExposure, IsTheLeastOfAll) {
 TEST(PixelAreas, PointsLieEvenlyInEachPixel) {
     const Dataset dataset = sheet_dataset(troubled_mesh(3, 7, 1), 1, 48, 2);
     const View& view = dataset.views[0];
-    std::mutex mutex;                           // points are shaded by several threads, in any order
-    std::vector<std::array<double, 2>> points;  // of pixel (0, 0): the camera moves, so that pixels' centres lie there
-    const Contestant watcher{[&](const View& moved, const auto& pixels, std::vector<float>& rgb, int) {
+    std::mutex mutex;                           // parts of the picture are shaded by several threads, in any order
+    std::vector<std::array<double, 2>> points;  // where the surface's points lie in the picture
+    const Contestant watcher{[&](const View& seen_by, const auto& seen, std::vector<float>& rgb, int) {
         const std::scoped_lock lock(mutex);
-        points.push_back({0.5 + view.camera.cx - moved.camera.cx, 0.5 + view.camera.cy - moved.camera.cy});
-        rgb.assign(3 * pixels.size(), 0.25f);
+        for (const RasterPixel& p : seen) {
+            if (p.triangle == no_triangle) continue;
+            const auto& [a, b, c] = dataset.mesh.triangles[p.triangle];
+            const auto at = [&](uint32_t vertex) -> Vec3d { return dataset.mesh.positions[vertex].cast<double>(); };
+            const double b1 = double(p.b1), b2 = double(p.b2);
+            const Vec3d place = seen_by.camera.project((1 - b1 - b2) * at(a) + b1 * at(b) + b2 * at(c));
+            points.push_back({place.x(), place.y()});
+        }
+        rgb.assign(3 * seen.size(), 0.25f);
     }};
     PixelAreas areas(dataset, 3);
     areas.shade(watcher, view, 0);
-    ASSERT_EQ(points.size(), 9u);
-    std::ranges::sort(points, {}, [](const auto& at) { return 3 * std::floor(3 * at[1]) + std::floor(3 * at[0]); });
-    for (size_t i = 0; i < 9; ++i) {
-        EXPECT_NEAR(points[i][0], (double(i % 3) + 0.5) / 3, 1e-12);
-        EXPECT_NEAR(points[i][1], double(i / 3) / 3 + 0.5 / 3, 1e-12);
+    std::map<std::pair<int, int>, int> of_thirds;  // of pixels
+    for (const auto& point : points) {
+        const std::pair third(int(std::floor(3 * point[0])), int(std::floor(3 * point[1])));
+        EXPECT_NEAR(3 * point[0], third.first + 0.5, 1e-3);
+        EXPECT_NEAR(3 * point[1], third.second + 0.5, 1e-3);
+        EXPECT_EQ(++of_thirds[third], 1);
     }
+    const int side = view.camera.width;
+    double covered = 0;
+    for (int i = 0; i < side * side; ++i) {
+        int seen = 0;
+        for (int k = 0; k < 9; ++k) seen += int(of_thirds.count({3 * (i % side) + k % 3, 3 * (i / side) + k / 3}));
+        EXPECT_EQ(areas.coverage(size_t(i)), float(seen) / 9) << i;
+        covered += seen;
+    }
+    EXPECT_GT(covered, 9 * 200);
     points.clear();
     PixelAreas centres(dataset, 1);
     centres.shade(watcher, view, 0);
-    EXPECT_EQ(points, (std::vector<std::array<double, 2>>{{0.5, 0.5}}));
+    for (const auto& point : points)
+        for (const double x : point) EXPECT_NEAR(x - std::floor(x), 0.5, 1e-3);
     for (size_t i = 0; i < centres.centres().size(); ++i) {
         EXPECT_EQ(centres.coverage(i), float(centres.centres()[i].triangle != no_triangle));
         EXPECT_EQ(areas.centres()[i].triangle, centres.centres()[i].triangle);
@@ -590,9 +612,9 @@ TEST(PixelAreas, MeansAreOfLight) {
     const TemporaryFolder folder;
     const Dataset dataset = gray_dataset(folder.path() / "data", 128);
     for (const TargetSpace space : {TargetSpace::stored, TargetSpace::linear}) {
-        std::atomic<int> call = 0;
-        const Contestant blinking{[&](const View&, const auto& pixels, std::vector<float>& rgb, int) {
-                                      rgb.assign(3 * pixels.size(), float(call++ % 3 == 0));
+        const Contestant blinking{[&](const View&, const auto& seen, std::vector<float>& rgb, int) {
+                                      rgb.resize(3 * seen.size());  // of three points beside one another one is white
+                                      for (size_t i = 0; i < rgb.size(); ++i) rgb[i] = float(i / 3 % 3 == 0);
                                   },
                                   space};
         PixelAreas areas(dataset, 3);

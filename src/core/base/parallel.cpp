@@ -150,8 +150,6 @@ int thread_count() {
     return threads == 0 ? core_count() : threads;
 }
 
-int threads_here() { return current_worker >= 0 ? 1 : thread_count(); }
-
 void parallel_chunks(size_t count, size_t grain, const Chunk& body) {
     if (count == 0) return;
     Loop loop{.body = body,

@@ -10,8 +10,6 @@ void set_thread_count(int threads);
 int thread_count();
 /// Cores this process may run on (a container or taskset may grant fewer than the machine has).
 int core_count();
-/// Threads of a loop that begins here: 1 within a body.
-int threads_here();
 
 /// For a program's first lines. OpenBLAS, where a library brings it along, starts threads as it is loaded, which wait
 /// for their first work by spinning for a tenth of a second; ended, they begin anew when there is some.

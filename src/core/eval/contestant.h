@@ -11,17 +11,18 @@
 
 namespace radiafit {
 
-/// Anything that can colour the pixels of a view: rgb [height][width][3] out, at `pixels` that see the mesh (others
-/// don't matter; over a grid, `triangle` is the texel). `worker` is parallel_for's: calls with different workers may
-/// run at once.
+/// Anything that can colour points of the surface as a view's camera sees them: rgb [points][3] out, at `points` that
+/// lie on the mesh (others don't matter; over a grid, `triangle` is the texel). They may be the centres of the view's
+/// pixels, or several points of each, or some of these; neighbours in the list are mostly neighbours in the picture.
+/// `worker` is parallel_for's: calls with different workers may run at once.
 struct Contestant {
-    std::function<void(const View& view, const std::vector<RasterPixel>& pixels, std::vector<float>& rgb, int worker)>
+    std::function<void(const View& view, const std::vector<RasterPixel>& points, std::vector<float>& rgb, int worker)>
         shade;
     TargetSpace space = TargetSpace::stored;  ///< of the values it hands out
     /// How much of the fit a view shows, where a contestant fades to something safer far from the images that were
     /// fitted: 1 is all of it, 0 nothing. None: always all.
     std::function<double(const View& view)> share_of_fit = {};
-    /// Its error bars at the pixels, as shade() is called: [height][width] out. None: it has none.
+    /// Its error bars at the points, as shade() is called: [points] out. None: it has none.
     std::function<void(const View& view, const std::vector<RasterPixel>& pixels, std::vector<ErrorBar>& bars)>
         error_bars = {};
 };

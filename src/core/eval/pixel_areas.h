@@ -21,8 +21,8 @@ public:
     /// outlive it.
     explicit PixelAreas(const Dataset& dataset, int points = as_photographed);
 
-    /// `view` may be any, not only the dataset's. worker: as Contestant's. Outside of a parallel loop several points
-    /// are shaded at once.
+    /// `view` may be any, not only the dataset's. worker: as Contestant's. Outside of a parallel loop several parts of
+    /// the picture are shaded at once.
     void shade(const Contestant& contestant, const View& view, int worker);
 
     /// [height][width] what pixels' centres see, in the view shaded last.
@@ -34,17 +34,18 @@ public:
     float coverage(size_t pixel) const;     ///< share of its points that see the surface
 
 private:
-    void shade_points(const Contestant& contestant, const View& view);
+    void shade_areas(const Contestant& contestant, const View& view);
+    struct Tile;
+    void shade_tile(const Contestant& contestant, const View& view, const Tile& tile, int worker);
 
     const Dataset* dataset_;
     int points_;
-    /// One of the points of every pixel.
+    /// A part of the picture, its points as pixels.
     struct Shot {
         Rasterizer rasterizer;
-        std::vector<RasterPixel> seen;
         std::vector<float> rgb;
     };
-    std::vector<Shot> shots_;  ///< that are made at once
+    std::vector<Shot> shots_;  ///< of each worker
     Rasterizer rasterizer_;
     std::vector<RasterPixel> centres_;
     std::vector<float> rgb_;
