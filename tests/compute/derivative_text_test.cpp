@@ -148,7 +148,8 @@ constexpr size_t point_count = 10'240;
 /// reference: a model that has the same derivatives by hand.
 template <class Text>
 void expect_same_on_device(const std::string& model, const std::string& text, const char* reference = nullptr) {
-    add_shader("model/" + model + ".glsl", [=] { return with_derivatives(model + ".glsl", text, shader_file); });
+    add_shader("model/" + model + ".glsl",
+               [=] { return with_derivatives(model + ".glsl", text, TexelLocal<Text>::shaped, shader_file); });
     const auto points = points_of<Text>(point_count);
     const std::vector<double> truth = in_double<Text>(points);
     constexpr size_t each = size_t(TexelLocal<Text>::slopes + 2 * TexelLocal<Text>::shaped);
@@ -188,7 +189,7 @@ TEST(MadeDerivatives, OfSeveralBasisFunctions) {
 TEST(MadeDerivatives, ATextThatLacksNothingStaysAsItIs) {
     for (const char* model : {"lafortune", "ptm", "lambert", "hsh3"}) {
         const std::string text = shader_file(fmt::format("model/{}.glsl", model));
-        EXPECT_EQ(with_derivatives("a.glsl", text, shader_file), text) << model;
+        EXPECT_EQ(with_derivatives("a.glsl", text, 1, shader_file), text) << model;
     }
 }
 
@@ -196,9 +197,9 @@ TEST(MadeDerivatives, WhatIsNotInTheDialectIsNamed) {
     const std::string head =
         "#define SHAPE_COUNT 1\nstruct Terms { real x[1]; };\nstruct Shape { real x[1]; };\nstruct Basis { real x[1]; "
         "};\n";
-    const auto complaint = [&](const std::string& body) -> std::string {
+    const auto complaint = [&](const std::string& body, int shaped = 1) -> std::string {
         try {
-            with_derivatives("mine.glsl", head + body, shader_file);
+            with_derivatives("mine.glsl", head + body, shaped, shader_file);
         } catch (const UserError& error) {
             return error.what();
         }
@@ -208,6 +209,8 @@ TEST(MadeDerivatives, WhatIsNotInTheDialectIsNamed) {
         return "SHARED_FN Basis basis(Shape s, Terms t) {\nBasis b;\n" + statements + "\nreturn b;\n}\n";
     };
     EXPECT_EQ(complaint(of_basis("b.x[0] = s.x[0];")), "");
+    EXPECT_EQ(complaint("struct Slope { real x[1]; };\n" + of_basis("b.x[0] = s.x[0];"), 2),
+              "mine.glsl:1: a struct Slope where SHAPED_COUNT is above 1: leave it out, since derivatives are made");
     EXPECT_EQ(complaint(""), "mine.glsl:1: no function basis");
     EXPECT_EQ(complaint(of_basis("b.x[0] = sin(s.x[0]);")), "mine.glsl:7: no function sin");
     EXPECT_EQ(complaint(of_basis("b.x[0] = s.x[0] ? s.x[0] : t.x[0];")),

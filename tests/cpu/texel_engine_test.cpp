@@ -15,6 +15,7 @@
 #include "cpu/texel_models.h"
 #include "cpu/texel_solver.h"
 #include "dataset/truth.h"
+#include "model/coefficient_solver.h"
 #include "samples/block_file.h"
 #include "samples/grid_distributor.h"
 #include "samples/raster_distributor.h"
@@ -174,6 +175,47 @@ TEST(TexelEngine, EvaluatesWeightsAsDefined) {
 
 TEST(TexelEngine, EvaluatesLambertAsDefined) { check_engine<texel_text::lambert>(Mode::modern, 9); }
 TEST(TexelEngine, EvaluatesSeveralShapesAsDefined) { check_engine<texel_text::several_shapes>(Mode::modern, 11); }
+
+/// Of functions that are nearly the same: no coefficient within its bounds has a slope, none at a bound one inwards.
+TEST(CoefficientSolver, FindsTheLeastWithinBounds) {
+    using Model = TexelLocal<texel_text::several_shapes<double>>;
+    constexpr size_t B = size_t(Model::basis);
+    Rng rng(3);
+    int at_bounds = 0;
+    for (int trial = 0; trial < 300; ++trial) {
+        SmallMatrix<double, int(B)> a{};
+        SmallVector<double, int(B)> at_zero{};
+        for (int sample = 0; sample < 30; ++sample) {
+            const double common = rng.uniform();
+            std::array<double, B> row;
+            for (double& x : row) x = common + 0.1 * rng.uniform();
+            const double target = 3 * row[0] - row[1] + row[2] + rng.uniform();
+            for (size_t k = 0; k < B; ++k) {
+                for (size_t j = 0; j <= k; ++j) a[k][j] += row[k] * row[j];
+                at_zero[k] -= row[k] * target;
+            }
+        }
+        const CoefficientSolver<Model, double> solver(a, 1e-9, SmallPivots::raised);
+        for (size_t c = 0; c < 3; ++c) {
+            const auto found = solver.from_zero(c, at_zero);
+            double error = 0;
+            for (size_t k = 0; k < B; ++k) {
+                double slope = at_zero[k];
+                for (size_t j = 0; j < B; ++j) slope += a[std::max(j, k)][std::min(j, k)] * found.coefficients[j];
+                const auto& [low, high] = Model::channel_bounds(c)[k];
+                const double at = found.coefficients[k];
+                ASSERT_TRUE(at >= low - 1e-12 && at <= high + 1e-12) << k;
+                error += 0.5 * at * (at_zero[k] + slope);
+                if (Model::held(int(3 * k + c))) continue;
+                at_bounds += at <= low || at >= high;
+                EXPECT_TRUE(slope >= -1e-6 || at >= high - 1e-9) << trial << " " << k << ": " << slope << " at " << at;
+                EXPECT_TRUE(slope <= 1e-6 || at <= low + 1e-9) << trial << " " << k << ": " << slope << " at " << at;
+            }
+            EXPECT_NEAR(found.change, error, 1e-9 * std::abs(error));
+        }
+    }
+    EXPECT_GT(at_bounds, 100);
+}
 
 /// Where several basis functions depend on the shape, of which some are one channel's or held.
 TEST(TexelFit, RecoversSeveralShapes) {

@@ -22,7 +22,7 @@ inline std::string several_shapes_text() {
 inline const TexelModel& several_shapes() {
     static const TexelModel& model = [] {
         static constexpr const char* name = "model/several_shapes.glsl";
-        add_shader(name, [] { return with_derivatives(name, several_shapes_text(), shader_file); });
+        add_shader(name, [] { return with_derivatives(name, several_shapes_text(), 3, shader_file); });
         return std::ref(add_texel_model(std::make_unique<TexelModelOf<texel_text::several_shapes<float>>>()));
     }();
     return model;

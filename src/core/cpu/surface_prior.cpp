@@ -109,7 +109,8 @@ private:
         const std::vector<uint32_t> told = telling(usable_, of_shape(first));
         for (size_t i = first; i < first + count; ++i)
             for (const uint32_t t : told)
-                off.push_back(std::abs(double(parameter(t, i)) - double(prior_.mean_of(t)[i])));
+                if (!model_.held(int(i)))
+                    off.push_back(std::abs(double(parameter(t, i)) - double(prior_.mean_of(t)[i])));
         constexpr double least = 0.05;  // also where a gauge holds most texels at one value
         return off.empty() ? 1 : std::max(least, quantile(std::move(off), quantile_of_scatter) / normal_quantile);
     }

@@ -170,7 +170,7 @@ auto TexelFit<Text>::propose(const Point& p, const WidePack& damping, const Prio
     SmallVector<WidePack, Q> down;
     for (size_t i = 0; i < size_t(Q); ++i) {
         // a parameter at its bound that would move beyond stays there
-        const auto [lowest, highest] = Text::shape_bounds[i];
+        const auto lowest = double(float(Text::shape_bounds[i][0])), highest = double(float(Text::shape_bounds[i][1]));
         const Mask held = ((p.s[i] <= WidePack(lowest)) & (model.gradient[i] > WidePack(0.0))) |
                           ((p.s[i] >= WidePack(highest)) & (model.gradient[i] < WidePack(0.0)));
         down[i] = WidePack::select(held, 0.0, -model.gradient[i]);
@@ -344,7 +344,7 @@ auto TexelFit<Text>::run(const Batch& batch, const Point& start, Trace* trace, c
         end(all, Status::max_iterations);
     }
     const Mask told_apart = least_pivot(now, prior) > WidePack(detail::noise);
-    constexpr uint32_t columns = uint32_t(Model::independent);
+    constexpr uint32_t columns = uint32_t(Model::independent());
     for (int lane = 0; lane < Pack::size; ++lane) {
         Outcome& o = out[size_t(lane)];
         const bool fitted = all[lane];
@@ -406,7 +406,7 @@ auto TexelFit<Text>::best_start(const Batch& batch, const Prior* prior) -> Point
                 error += WidePack(0.5 * prior->shape_weight[j]) * off * off;
             }
             // among equals the first: rounding alone would take a lobe that no sample meets
-            const Mask better = error < lowest * WidePack(1 + 1e-9);
+            const Mask better = error < lowest * WidePack::select(lowest > WidePack(0.0), 1 - 1e-9, 1 + 1e-9);
             best.take(better, p);
             lowest = WidePack::select(better, error, lowest);
         }

@@ -23,7 +23,10 @@ StartLayout::StartLayout(const TexelModel& model) {
 }
 
 StartSolver::StartSolver(const TexelModel& model, size_t texels)
-    : model_(&model), layout_(model), parameters_(texels * size_t(model.parameters)), lowest_(texels) {
+    : model_(&model),
+      layout_(model),
+      parameters_(texels * size_t(model.parameters)),
+      lowest_(texels, std::numeric_limits<double>::infinity()) {
     std::vector<float> unseen;  // what a texel without samples has
     for (size_t i = 0; i < size_t(3 * model.basis); ++i)
         unseen.push_back(float(std::clamp(0.0, model.bounds[i][0], model.bounds[i][1])));

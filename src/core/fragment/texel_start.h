@@ -36,7 +36,7 @@ private:
     const TexelModel* model_;
     StartLayout layout_;
     std::vector<float> parameters_;
-    std::vector<double> lowest_;  ///< [texels] what the best start takes from the error
+    std::vector<double> lowest_;  ///< [texels] what the best start adds to the error
 };
 
 }  // namespace radiafit

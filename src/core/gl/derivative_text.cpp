@@ -425,7 +425,7 @@ vec2 shape_bend(Shape s, Shape d, Terms t) { return shape_bends(s, d, t).x[0]; }
 
 }  // namespace
 
-std::string with_derivatives(const std::string& file, const std::string& text,
+std::string with_derivatives(const std::string& file, const std::string& text, int shaped,
                              const std::function<std::string(const std::string&)>& read) {
     TextScanner scanner(file, read);
     scanner.scan(text);
@@ -438,12 +438,17 @@ std::string with_derivatives(const std::string& file, const std::string& text,
     const auto add = [&](const Kind& kind, const char* function, const char* made) {
         if (scanner.has_function(function)) return;
         Translator translator(file, scanner, kind);
+        if (shaped > 1 && translator.has_struct("Slope"))
+            refuse_text(file, 1,
+                        "a struct Slope where SHAPED_COUNT is above 1: leave it out, since derivatives are made");
         if (!translator.has_struct("Slope") && &kind == &slope)
             out += "struct Slope { float x[SHAPED_COUNT * SHAPE_COUNT]; };\n";
         out += translator.translated() + made;
     };
     if (!out.ends_with('\n')) out += '\n';
-    if (!scanner.defines("SHAPED_COUNT")) out += "#define SHAPED_COUNT 1\n";
+    // by its value: it may be an expression, or stand where C++ alone reads it
+    if (scanner.defines("SHAPED_COUNT")) out += "#undef SHAPED_COUNT\n";
+    out += fmt::format("#define SHAPED_COUNT {}\n", shaped);
     add(slope, "shape_slope", of_slope);
     add(bend, "shape_bend", of_bend);
     return out;

@@ -25,6 +25,7 @@ Covariance covariance_of(const Eigen::MatrixXd& normal, double variance, const s
     out.deviation.assign(size_t(n), 0.0);
     const std::vector<Eigen::Index> free = free_parameters(n, held);
     const Eigen::Index count = Eigen::Index(free.size());
+    if (count == 0) return out;
     // in units in which each parameter's curvature is 1; a parameter without effect keeps its unit
     Eigen::VectorXd unit(count);
     for (Eigen::Index i = 0; i < count; ++i) {

@@ -7,7 +7,7 @@ namespace radiafit {
 
 /// Coefficients of one shape by least squares within the bounds of `Model`, a TexelLocal, from sums over samples in
 /// order: for each basis function its products with those up to it, then with the three channels' targets. out:
-/// [basis][3]. Returns what they take from the error, from coefficients 0 on: 0 or less.
+/// [basis][3]. Returns what they add to the error, from coefficients 0 on: 0 or less where bounds allow 0.
 template <class Model>
 double coefficients_of_sums(std::span<const float> sums, std::span<float> out) {
     constexpr int basis = Model::basis;
@@ -19,7 +19,8 @@ double coefficients_of_sums(std::span<const float> sums, std::span<float> out) {
         for (size_t j = 0; j <= k; ++j) normal[k][j] = double(*at++);
         for (auto& channel : slope) channel[k] = -double(*at++);
     }
-    const bool bounded = Model::bounded(3 * basis - 1);
+    const bool bounded =
+        Model::bounded(3 * basis - 3) && Model::bounded(3 * basis - 2) && Model::bounded(3 * basis - 1);
     // a plain linear fit has no bounds that would keep coefficients small where samples don't determine each of them
     const CoefficientSolver<Model, double> solver(normal, bounded ? noise : 10 * noise,
                                                   bounded ? SmallPivots::raised : SmallPivots::left_out);

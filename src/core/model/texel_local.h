@@ -52,9 +52,19 @@ struct CompleteText {
     static_assert(
         requires { Text::coefficient_names[Text::basis_count - 1]; },
         "a texel model's text must define coefficient_names[BASIS_COUNT]");
-    static_assert(
-        requires { Text::coefficient_bounds[Text::basis_count - 1][1]; },
-        "a texel model's text must define coefficient_bounds[BASIS_COUNT][2]");
+    static constexpr bool bounds_fit = [] {
+        if constexpr (requires { Text::coefficient_bounds; }) {
+            using Table = std::remove_cvref_t<decltype(Text::coefficient_bounds)>;
+            const bool of_all = std::rank_v<Table> == 2 && std::extent_v<Table, 1> == 2;
+            const bool of_each =
+                std::rank_v<Table> == 3 && std::extent_v<Table, 1> == 3 && std::extent_v<Table, 2> == 2;
+            return std::extent_v<Table> >= size_t(Text::basis_count) && (of_all || of_each);
+        }
+        return false;
+    }();
+    static_assert(bounds_fit,
+                  "a texel model's text must define coefficient_bounds[BASIS_COUNT][2], or of each channel its own: "
+                  "coefficient_bounds[BASIS_COUNT][3][2]");
     static constexpr bool no_shape = Text::shape_count == 0;
     static constexpr int shaped = [] {
         if constexpr (requires { Text::shaped_count; }) return Text::shaped_count;
@@ -110,8 +120,18 @@ struct TexelLocal : CompleteText<Text> {
         if constexpr (CompleteText<Text>::gauge) return Text::gauge_count;
         return 0;
     }();
-    /// How many of these are independent, but for the gauge: so many samples a texel needs at least.
-    static constexpr int independent = [] { return basis + shape - gauge_count; }();
+    /// So many samples a texel needs at least: as many as a channel has coefficients, and numbers of the shape, that
+    /// aren't held, less the gauge.
+    static constexpr int independent() {
+        int most = 0, of_shape = 0;
+        for (int c = 0; c < 3; ++c) {
+            int free = 0;
+            for (int k = 0; k < basis; ++k) free += !held(3 * k + c);
+            most = free > most ? free : most;
+        }
+        for (int i = 3 * basis; i < parameters; ++i) of_shape += !held(i);
+        return most + of_shape - gauge_count;
+    }
     using Parameters = std::array<real, size_t(parameters)>;
 
     static constexpr int slope_basis(int slope) {

@@ -24,7 +24,7 @@ public:
         shape = Model::shape;
         shaped = Model::shaped;
         parameters = Model::parameters;
-        independent = Model::independent;
+        independent = Model::independent();
         for (const char* of : Text::coefficient_names) coefficient_names.emplace_back(of ? of : "");
         if constexpr (Model::shape > 0) {
             for (const char* of : Text::shape_names) shape_names.emplace_back(of ? of : "");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -58,6 +59,27 @@ void check_name(const fs::path& file, const std::string& name) {
         throw UserError(fmt::format("{}: the program has a text {} itself; rename the file", file.string(), name));
 }
 
+/// Whether basis function k has other values where the shape is another.
+bool depends_on_shape(const TexelModel& m, int k) {
+    std::vector<float> p(size_t(m.parameters));
+    std::vector<double> columns(size_t(m.columns()));
+    for (const float z : {0.3f, 0.6f, 0.95f}) {
+        const float r = std::sqrt(1 - z * z);
+        std::vector<double> values;
+        for (const double share : {0.2, 0.5, 0.8}) {
+            for (int i = 0; i < m.shape; ++i) {
+                const auto [lowest, highest] = m.bounds[size_t(3 * m.basis + i)];
+                const double low = std::max(lowest, -4.0), high = std::max(low, std::min(highest, 4.0));
+                p[size_t(3 * m.basis + i)] = float(low + share * (high - low));
+            }
+            m.columns(p, {r, 0, z}, {0.6f * r, -0.8f * r, z}, columns);
+            values.push_back(columns[size_t(k)]);
+        }
+        if (values[0] != values[1] || values[1] != values[2]) return true;
+    }
+    return false;
+}
+
 /// Of tables that compilers take as they are.
 void check(const fs::path& file, const TexelModel& m) {
     const auto refuse = [&](const std::string& what) { throw UserError(fmt::format("{}: {}", file.string(), what)); };
@@ -85,6 +107,16 @@ void check(const fs::path& file, const TexelModel& m) {
         refuse(fmt::format("diffuse_coefficient is {}, of {} basis functions", *m.diffuse, m.basis));
     constexpr int most_shapes = 32;  // loops of OpenGL's compilers are this long where they are unrolled
     if (m.shape > most_shapes) refuse(fmt::format("SHAPE_COUNT is {}; {} at most", m.shape, most_shapes));
+    constexpr int most_columns = 64;  // squares of them lie on the stack, eight texels at a time
+    if (m.columns() > most_columns)
+        refuse(fmt::format(
+            "{} basis functions and {} x {} derivatives of those that depend on the shape are {} numbers; {} at most",
+            m.basis, m.shaped, m.shape, m.columns(), most_columns));
+    for (int k = 0; k < m.basis - m.shaped && m.shape > 0; ++k)
+        if (depends_on_shape(m, k))
+            refuse(fmt::format(
+                "{} depends on the shape, but SHAPED_COUNT says that of {} basis functions the last {} alone do",
+                m.coefficient_names[size_t(k)], m.basis, m.shaped == 1 ? "one" : std::to_string(m.shaped)));
 }
 
 LibrarySource source_of(const std::string& file, const std::string& name, const std::string& text) {
@@ -143,8 +175,9 @@ LoadedModel load(const fs::path& file, const std::string& name, bool trusted) {
         if (trusted) trust(text);  // it may throw: before others have the model
         own.model = model.get();
         own.text = text;
-        add_shader(fmt::format("model/{}.glsl", name),
-                   [=, from = file.string()] { return with_derivatives(from, text, shader_file); });
+        add_shader(fmt::format("model/{}.glsl", name), [=, from = file.string(), shaped = std::max(1, model->shaped)] {
+            return with_derivatives(from, text, shaped, shader_file);
+        });
         add_texel_solvers(*own.model, std::move(solvers));
         add_texel_model(std::move(model));
     } catch (const std::exception& error) {
