@@ -28,9 +28,11 @@ struct TexelShape {
     int maps() const { return model->basis + shape_maps(); }
     /// Layers for the numbers that the channels share on the diagonal of J'J, four each.
     int diagonal_layers() const { return (model->basis + model->shape + 3) / 4; }
-    /// MODEL, STORAGE, and of loss_defines()
+    /// MODEL, HELD where it holds parameters, STORAGE, and of loss_defines()
     Defines defines(Storage storage) const {
-        return Defines{{"MODEL", model->name}} + storage_defines(storage) + loss_defines(loss);
+        Defines out{{"MODEL", model->name}};
+        if (model->any_held()) out.emplace_back("HELD", "");
+        return out + storage_defines(storage) + loss_defines(loss);
     }
     /// The layer and channel of parameter i. See shaders/reflect/parameters.glsl.
     static std::array<int, 2> map_of(int parameter) { return {parameter / 3, parameter % 3}; }

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -31,6 +32,9 @@ public:
 
     std::string parameter_name(int i) const;  ///< "rho_d.R", "Cx"
     bool held(int i) const { return bounds[size_t(i)][0] == bounds[size_t(i)][1]; }
+    bool any_held() const {
+        return std::any_of(bounds.begin(), bounds.end(), [](const auto& of) { return of[0] == of[1]; });
+    }
     int columns() const { return basis + shaped * shape; }
     /// Reflected radiance per channel where a white diffuse surface that faces the lamp has 1. u, v: unit directions to
     /// lamp and camera in the texel's frame; 0 unless u_z > 0 and v_z > 0.
