@@ -75,6 +75,7 @@ class OwnModel(ProgramTest):
             ("viewbasis", "", "", "there is a model viewbasis in the program already"),
             ("bounds", "", "", "the program has a text bounds itself"),
             ("slash", '"rho_d", "rho_s"', '"../rho", "rho_s"', "named '../rho': take letters, digits and _"),
+            ("shaped", "b.x[0] = t.x[0];", "b.x[0] = t.x[0] * s.x[0];", "rho_d depends on the shape; by SHAPED_COUNT the last basis function alone does"),
             ("twice", '"rho_d", "rho_s"', '"rho_d", "log_n"', "two maps of a fit would be named log_n"),
         ):
             (self.root / f"{name}.glsl").write_text(self.text.replace(old, new) if old else self.text)

@@ -114,9 +114,9 @@ void check(const fs::path& file, const TexelModel& m) {
             m.basis, m.shaped, m.shape, m.columns(), most_columns));
     for (int k = 0; k < m.basis - m.shaped && m.shape > 0; ++k)
         if (depends_on_shape(m, k))
-            refuse(fmt::format(
-                "{} depends on the shape, but SHAPED_COUNT says that of {} basis functions the last {} alone do",
-                m.coefficient_names[size_t(k)], m.basis, m.shaped == 1 ? "one" : std::to_string(m.shaped)));
+            refuse(fmt::format("{} depends on the shape; by SHAPED_COUNT {}", m.coefficient_names[size_t(k)],
+                               m.shaped == 1 ? "the last basis function alone does"
+                                             : fmt::format("the last {} basis functions do", m.shaped)));
 }
 
 LibrarySource source_of(const std::string& file, const std::string& name, const std::string& text) {
