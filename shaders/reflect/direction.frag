@@ -23,25 +23,32 @@ void add(Sample s, Parameters p, inout vec4 results[RESULTS]) {
     float squared = SAMPLE_WEIGHTED(s, dot(r, r));
     results[0].a += LOSS_VALUE(squared);
     r = SAMPLE_WEIGHTED(s, LOSS_WEIGHTED(squared, r));
-    float squares[BASIS_COUNT + SHAPE_COUNT];
+    float columns[BASIS_COUNT + SHAPE_COUNT];
     for (int k = 0; k < BASIS_COUNT; ++k) {
-        float column = s.counts ? b.x[k] : 0.0;
-        squares[k] = column * column;
-        results[k].rgb += r * column;
+        columns[k] = s.counts ? b.x[k] : 0.0;
+        results[k].rgb += r * columns[k];
     }
 #if SHAPE_COUNT > 0
     Slope slope = shape_slope(p.shape, s.terms);
+#if SHAPED_COUNT > 1
     for (int i = 0; i < SHAPE_COUNT * SHAPED_COUNT; ++i) slope.x[i] = s.counts ? slope.x[i] : 0.0;
     for (int l = 0; l < SHAPED_COUNT; ++l) {
         float along = dot(r, p.a[PLAIN_COUNT + l]);
         for (int i = 0; i < SHAPE_COUNT; ++i)
             results[BASIS_COUNT + i / 3][i % 3] += along * slope.x[l * SHAPE_COUNT + i];
     }
-    for (int i = 0; i < SHAPE_COUNT; ++i) squares[BASIS_COUNT + i] = shape_square(p, slope, i);
+    for (int i = 0; i < SHAPE_COUNT; ++i) columns[BASIS_COUNT + i] = sqrt(shape_square(p, slope, i));
+#else
+    float along = dot(r, p.a[PLAIN_COUNT]);
+    for (int i = 0; i < SHAPE_COUNT; ++i) {
+        columns[BASIS_COUNT + i] = s.counts ? slope.x[i] : 0.0;
+        results[BASIS_COUNT + i / 3][i % 3] += along * columns[BASIS_COUNT + i];
+    }
+#endif
 #endif
 #ifdef DIAGONAL
     for (int i = 0; i < BASIS_COUNT + SHAPE_COUNT; ++i)
-        results[MAP_COUNT + i / 4][i % 4] += SAMPLE_WEIGHTED(s, LOSS_WEIGHTED(squared, squares[i]));
+        results[MAP_COUNT + i / 4][i % 4] += SAMPLE_WEIGHTED(s, LOSS_WEIGHTED(squared, columns[i] * columns[i]));
 #endif
 }
 
